@@ -57,25 +57,20 @@ KRHPR_API int krhpr_planar_grasp_prr_end_points_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
-        krhpr_poses_load(pivot_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(pivot_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes angles_lanes[2];
-        krhpr_poses_load(angles_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
+        krhpr_poses_load(angles_lanes, in[1], k * in_step[1], in_step[1], 2, here);
         krhpr_lanes s_lanes[4];
         const int doubtful = krhpr_planar_grasp_prr_end_points_lanes(
             g, pivot_lanes, angles_lanes, s_lanes, &answer);
         krhpr_stream_put(&s_stream, out[0] + k * out_step[0], out_step[0], s_lanes, 4, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&s_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_end_points(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -91,8 +86,6 @@ KRHPR_API int krhpr_planar_grasp_prr_end_points_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -106,9 +99,7 @@ KRHPR_API int krhpr_planar_grasp_prr_end_points_soa(
             const int doubtful = krhpr_planar_grasp_prr_end_points_lanes(
                 g, pivot_lanes, angles_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 4, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -160,21 +151,16 @@ KRHPR_API int krhpr_planar_grasp_prr_subleg_inverse_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[4];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 4, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 4, here);
         krhpr_lanes theta_lanes[16];
         const int doubtful = krhpr_planar_grasp_prr_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
         krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 16, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&theta_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_subleg_inverse(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -190,8 +176,6 @@ KRHPR_API int krhpr_planar_grasp_prr_subleg_inverse_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -203,9 +187,7 @@ KRHPR_API int krhpr_planar_grasp_prr_subleg_inverse_soa(
             const int doubtful = krhpr_planar_grasp_prr_subleg_inverse_lanes(
                 g, s_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 16, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -262,7 +244,7 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_batch(
     const ptrdiff_t together = krhpr_poses_together(count);
     krhpr_lanes mode_lanes[4];
     if (in[2] == NULL) {
-        krhpr_poses_load(mode_lanes, mode_default, 0, 4, KRHPR_LANES);
+        krhpr_poses_load(mode_lanes, mode_default, 0, 0, 4, KRHPR_LANES);
     }
     krhpr_lanes theta_room[KRHPR_ROOM(4)];
     krhpr_stream theta_stream = krhpr_stream_open(theta_room, out[0], out_step[0], 4, count);
@@ -270,29 +252,22 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
-        krhpr_poses_load(pivot_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(pivot_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes angles_lanes[2];
-        krhpr_poses_load(angles_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
-        if (in[2] != NULL) {
-            krhpr_poses_load(mode_lanes, in[2] + k * in_step[2], in_step[2], 4, here);
-        }
+        krhpr_poses_load(angles_lanes, in[1], k * in_step[1], in_step[1], 2, here);
+        krhpr_poses_load(mode_lanes, in[2], k * in_step[2], in_step[2], 4, here);
         krhpr_lanes theta_lanes[4];
         const int doubtful = krhpr_planar_grasp_prr_inverse_lanes(
             g, pivot_lanes, angles_lanes, mode_lanes, theta_lanes, &answer);
         krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 4, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&theta_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_inverse(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] ? in[2] + k * in_step[2] : NULL,
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -304,7 +279,7 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_soa(
 {
     krhpr_lanes mode_room[4];
     if (in[2] == NULL) {
-        krhpr_poses_load(mode_room, mode_default, 0, 4, KRHPR_LANES);
+        krhpr_poses_load(mode_room, mode_default, 0, 0, 4, KRHPR_LANES);
     }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
@@ -312,8 +287,6 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -321,19 +294,14 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_soa(
             const krhpr_lanes_at *const pivot_lanes = krhpr_poses_in(pivot_room, in[0] + b * in_step[0] + k, row, 2, here);
             krhpr_lanes angles_room[2];
             const krhpr_lanes_at *const angles_lanes = krhpr_poses_in(angles_room, in[1] + b * in_step[1] + k, row, 2, here);
-            const krhpr_lanes_at *mode_lanes = mode_room;
-            if (in[2] != NULL) {
-                mode_lanes = krhpr_poses_in(mode_room, in[2] + b * in_step[2] + k, row, 4, here);
-            }
+            const krhpr_lanes_at *const mode_lanes = krhpr_poses_given(mode_room, in[2], b * in_step[2] + k, row, 4, here);
             krhpr_lanes theta_room[4];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
             const int doubtful = krhpr_planar_grasp_prr_inverse_lanes(
                 g, pivot_lanes, angles_lanes, mode_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 4, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -393,25 +361,20 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_all_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
-        krhpr_poses_load(pivot_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(pivot_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes angles_lanes[2];
-        krhpr_poses_load(angles_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
+        krhpr_poses_load(angles_lanes, in[1], k * in_step[1], in_step[1], 2, here);
         krhpr_lanes theta_lanes[16];
         const int doubtful = krhpr_planar_grasp_prr_inverse_all_lanes(
             g, pivot_lanes, angles_lanes, theta_lanes, &answer);
         krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 16, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&theta_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_inverse_all(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -427,8 +390,6 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_all_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -442,9 +403,7 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_all_soa(
             const int doubtful = krhpr_planar_grasp_prr_inverse_all_lanes(
                 g, pivot_lanes, angles_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 16, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -498,7 +457,7 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_status_batch(
     const ptrdiff_t together = krhpr_poses_together(count);
     krhpr_lanes mode_lanes[4];
     if (in[2] == NULL) {
-        krhpr_poses_load(mode_lanes, mode_default, 0, 4, KRHPR_LANES);
+        krhpr_poses_load(mode_lanes, mode_default, 0, 0, 4, KRHPR_LANES);
     }
     krhpr_lanes excess_room[KRHPR_ROOM(2)];
     krhpr_stream excess_stream = krhpr_stream_open(excess_room, out[0], out_step[0], 2, count);
@@ -506,29 +465,22 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_status_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
-        krhpr_poses_load(pivot_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(pivot_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes angles_lanes[2];
-        krhpr_poses_load(angles_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
-        if (in[2] != NULL) {
-            krhpr_poses_load(mode_lanes, in[2] + k * in_step[2], in_step[2], 4, here);
-        }
+        krhpr_poses_load(angles_lanes, in[1], k * in_step[1], in_step[1], 2, here);
+        krhpr_poses_load(mode_lanes, in[2], k * in_step[2], in_step[2], 4, here);
         krhpr_lanes excess_lanes[2];
         const int doubtful = krhpr_planar_grasp_prr_inverse_status_lanes(
             g, pivot_lanes, angles_lanes, mode_lanes, excess_lanes, &answer);
         krhpr_stream_put(&excess_stream, out[0] + k * out_step[0], out_step[0], excess_lanes, 2, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&excess_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_inverse_status(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] ? in[2] + k * in_step[2] : NULL,
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -540,7 +492,7 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_status_soa(
 {
     krhpr_lanes mode_room[4];
     if (in[2] == NULL) {
-        krhpr_poses_load(mode_room, mode_default, 0, 4, KRHPR_LANES);
+        krhpr_poses_load(mode_room, mode_default, 0, 0, 4, KRHPR_LANES);
     }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
@@ -548,8 +500,6 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_status_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -557,19 +507,14 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_status_soa(
             const krhpr_lanes_at *const pivot_lanes = krhpr_poses_in(pivot_room, in[0] + b * in_step[0] + k, row, 2, here);
             krhpr_lanes angles_room[2];
             const krhpr_lanes_at *const angles_lanes = krhpr_poses_in(angles_room, in[1] + b * in_step[1] + k, row, 2, here);
-            const krhpr_lanes_at *mode_lanes = mode_room;
-            if (in[2] != NULL) {
-                mode_lanes = krhpr_poses_in(mode_room, in[2] + b * in_step[2] + k, row, 4, here);
-            }
+            const krhpr_lanes_at *const mode_lanes = krhpr_poses_given(mode_room, in[2], b * in_step[2] + k, row, 4, here);
             krhpr_lanes excess_room[2];
             double *const excess_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const excess_lanes = krhpr_poses_out(excess_room, excess_at, row, here);
             const int doubtful = krhpr_planar_grasp_prr_inverse_status_lanes(
                 g, pivot_lanes, angles_lanes, mode_lanes, excess_lanes, &answer);
             krhpr_poses_done(excess_room, excess_at, row, 2, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -617,7 +562,7 @@ KRHPR_API int krhpr_planar_grasp_prr_subleg_forward_batch(
     const ptrdiff_t together = krhpr_poses_together(count);
     krhpr_lanes assembly_lanes[2];
     if (in[1] == NULL) {
-        krhpr_poses_load(assembly_lanes, assembly_default, 0, 2, KRHPR_LANES);
+        krhpr_poses_load(assembly_lanes, assembly_default, 0, 0, 2, KRHPR_LANES);
     }
     krhpr_lanes s_room[KRHPR_ROOM(4)];
     krhpr_stream s_stream = krhpr_stream_open(s_room, out[0], out_step[0], 4, count);
@@ -625,26 +570,19 @@ KRHPR_API int krhpr_planar_grasp_prr_subleg_forward_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[4];
-        krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 4, here);
-        if (in[1] != NULL) {
-            krhpr_poses_load(assembly_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
-        }
+        krhpr_poses_load(theta_lanes, in[0], k * in_step[0], in_step[0], 4, here);
+        krhpr_poses_load(assembly_lanes, in[1], k * in_step[1], in_step[1], 2, here);
         krhpr_lanes s_lanes[4];
         const int doubtful = krhpr_planar_grasp_prr_subleg_forward_lanes(
             g, theta_lanes, assembly_lanes, s_lanes, &answer);
         krhpr_stream_put(&s_stream, out[0] + k * out_step[0], out_step[0], s_lanes, 4, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&s_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_subleg_forward(
             g, in[0] + k * in_step[0], in[1] ? in[1] + k * in_step[1] : NULL, out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -656,7 +594,7 @@ KRHPR_API int krhpr_planar_grasp_prr_subleg_forward_soa(
 {
     krhpr_lanes assembly_room[2];
     if (in[1] == NULL) {
-        krhpr_poses_load(assembly_room, assembly_default, 0, 2, KRHPR_LANES);
+        krhpr_poses_load(assembly_room, assembly_default, 0, 0, 2, KRHPR_LANES);
     }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
@@ -664,26 +602,19 @@ KRHPR_API int krhpr_planar_grasp_prr_subleg_forward_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes theta_room[4];
             const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[0] + b * in_step[0] + k, row, 4, here);
-            const krhpr_lanes_at *assembly_lanes = assembly_room;
-            if (in[1] != NULL) {
-                assembly_lanes = krhpr_poses_in(assembly_room, in[1] + b * in_step[1] + k, row, 2, here);
-            }
+            const krhpr_lanes_at *const assembly_lanes = krhpr_poses_given(assembly_room, in[1], b * in_step[1] + k, row, 2, here);
             krhpr_lanes s_room[4];
             double *const s_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const s_lanes = krhpr_poses_out(s_room, s_at, row, here);
             const int doubtful = krhpr_planar_grasp_prr_subleg_forward_lanes(
                 g, theta_lanes, assembly_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 4, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -748,7 +679,7 @@ KRHPR_API int krhpr_planar_grasp_prr_forward_batch(
     const ptrdiff_t together = krhpr_poses_together(count);
     krhpr_lanes assembly_lanes[2];
     if (in[1] == NULL) {
-        krhpr_poses_load(assembly_lanes, assembly_default, 0, 2, KRHPR_LANES);
+        krhpr_poses_load(assembly_lanes, assembly_default, 0, 0, 2, KRHPR_LANES);
     }
     krhpr_lanes pivot_room[KRHPR_ROOM(2)];
     krhpr_stream pivot_stream = krhpr_stream_open(pivot_room, out[0], out_step[0], 2, count);
@@ -758,32 +689,25 @@ KRHPR_API int krhpr_planar_grasp_prr_forward_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[4];
-        krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 4, here);
-        if (in[1] != NULL) {
-            krhpr_poses_load(assembly_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
-        }
+        krhpr_poses_load(theta_lanes, in[0], k * in_step[0], in_step[0], 4, here);
+        krhpr_poses_load(assembly_lanes, in[1], k * in_step[1], in_step[1], 2, here);
         krhpr_lanes side_lanes[1];
-        krhpr_poses_load(side_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_poses_load(side_lanes, in[2], k * in_step[2], in_step[2], 1, here);
         krhpr_lanes pivot_lanes[2];
         krhpr_lanes angles_lanes[2];
         const int doubtful = krhpr_planar_grasp_prr_forward_lanes(
             g, theta_lanes, assembly_lanes, side_lanes, pivot_lanes, angles_lanes, &answer);
         krhpr_stream_put(&pivot_stream, out[0] + k * out_step[0], out_step[0], pivot_lanes, 2, here);
         krhpr_stream_put(&angles_stream, out[1] + k * out_step[1], out_step[1], angles_lanes, 2, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&pivot_stream);
     krhpr_stream_close(&angles_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_forward(
             g, in[0] + k * in_step[0], in[1] ? in[1] + k * in_step[1] : NULL, *(in[2] + k * in_step[2]),
             out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -795,7 +719,7 @@ KRHPR_API int krhpr_planar_grasp_prr_forward_soa(
 {
     krhpr_lanes assembly_room[2];
     if (in[1] == NULL) {
-        krhpr_poses_load(assembly_room, assembly_default, 0, 2, KRHPR_LANES);
+        krhpr_poses_load(assembly_room, assembly_default, 0, 0, 2, KRHPR_LANES);
     }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
@@ -803,17 +727,12 @@ KRHPR_API int krhpr_planar_grasp_prr_forward_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes theta_room[4];
             const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[0] + b * in_step[0] + k, row, 4, here);
-            const krhpr_lanes_at *assembly_lanes = assembly_room;
-            if (in[1] != NULL) {
-                assembly_lanes = krhpr_poses_in(assembly_room, in[1] + b * in_step[1] + k, row, 2, here);
-            }
+            const krhpr_lanes_at *const assembly_lanes = krhpr_poses_given(assembly_room, in[1], b * in_step[1] + k, row, 2, here);
             krhpr_lanes side_room[1];
             const krhpr_lanes_at *const side_lanes = krhpr_poses_in(side_room, in[2] + b * in_step[2] + k, row, 1, here);
             krhpr_lanes pivot_room[2];
@@ -826,9 +745,7 @@ KRHPR_API int krhpr_planar_grasp_prr_forward_soa(
                 g, theta_lanes, assembly_lanes, side_lanes, pivot_lanes, angles_lanes, &answer);
             krhpr_poses_done(pivot_room, pivot_at, row, 2, here);
             krhpr_poses_done(angles_room, angles_at, row, 2, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -909,26 +826,21 @@ KRHPR_API int krhpr_planar_grasp_prr_forward_all_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[4];
-        krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 4, here);
+        krhpr_poses_load(theta_lanes, in[0], k * in_step[0], in_step[0], 4, here);
         krhpr_lanes pivot_lanes[16];
         krhpr_lanes angles_lanes[16];
         const int doubtful = krhpr_planar_grasp_prr_forward_all_lanes(
             g, theta_lanes, pivot_lanes, angles_lanes, &answer);
         krhpr_stream_put(&pivot_stream, out[0] + k * out_step[0], out_step[0], pivot_lanes, 16, here);
         krhpr_stream_put(&angles_stream, out[1] + k * out_step[1], out_step[1], angles_lanes, 16, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&pivot_stream);
     krhpr_stream_close(&angles_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_forward_all(
             g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -944,8 +856,6 @@ KRHPR_API int krhpr_planar_grasp_prr_forward_all_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -961,9 +871,7 @@ KRHPR_API int krhpr_planar_grasp_prr_forward_all_soa(
                 g, theta_lanes, pivot_lanes, angles_lanes, &answer);
             krhpr_poses_done(pivot_room, pivot_at, row, 16, here);
             krhpr_poses_done(angles_room, angles_at, row, 16, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1008,25 +916,20 @@ KRHPR_API int krhpr_planar_grasp_prr_link_points_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[4];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 4, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 4, here);
         krhpr_lanes theta_lanes[4];
-        krhpr_poses_load(theta_lanes, in[1] + k * in_step[1], in_step[1], 4, here);
+        krhpr_poses_load(theta_lanes, in[1], k * in_step[1], in_step[1], 4, here);
         krhpr_lanes points_lanes[20];
         const int doubtful = krhpr_planar_grasp_prr_link_points_lanes(
             g, s_lanes, theta_lanes, points_lanes, &answer);
         krhpr_stream_put(&points_stream, out[0] + k * out_step[0], out_step[0], points_lanes, 20, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&points_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_link_points(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1042,8 +945,6 @@ KRHPR_API int krhpr_planar_grasp_prr_link_points_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1057,9 +958,7 @@ KRHPR_API int krhpr_planar_grasp_prr_link_points_soa(
             const int doubtful = krhpr_planar_grasp_prr_link_points_lanes(
                 g, s_lanes, theta_lanes, points_lanes, &answer);
             krhpr_poses_done(points_room, points_at, row, 20, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1113,25 +1012,20 @@ KRHPR_API int krhpr_planar_grasp_prr_subleg_jacobian_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[4];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 4, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 4, here);
         krhpr_lanes theta_lanes[4];
-        krhpr_poses_load(theta_lanes, in[1] + k * in_step[1], in_step[1], 4, here);
+        krhpr_poses_load(theta_lanes, in[1], k * in_step[1], in_step[1], 4, here);
         krhpr_lanes M_lanes[8];
         const int doubtful = krhpr_planar_grasp_prr_subleg_jacobian_lanes(
             g, s_lanes, theta_lanes, M_lanes, &answer);
         krhpr_stream_put(&M_stream, out[0] + k * out_step[0], out_step[0], M_lanes, 8, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&M_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_subleg_jacobian(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1147,8 +1041,6 @@ KRHPR_API int krhpr_planar_grasp_prr_subleg_jacobian_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1162,9 +1054,7 @@ KRHPR_API int krhpr_planar_grasp_prr_subleg_jacobian_soa(
             const int doubtful = krhpr_planar_grasp_prr_subleg_jacobian_lanes(
                 g, s_lanes, theta_lanes, M_lanes, &answer);
             krhpr_poses_done(M_room, M_at, row, 8, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1214,31 +1104,26 @@ KRHPR_API int krhpr_planar_grasp_prr_jacobians_n_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
-        krhpr_poses_load(pivot_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(pivot_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes s_lanes[4];
-        krhpr_poses_load(s_lanes, in[1] + k * in_step[1], in_step[1], 4, here);
+        krhpr_poses_load(s_lanes, in[1], k * in_step[1], in_step[1], 4, here);
         krhpr_lanes theta_lanes[4];
-        krhpr_poses_load(theta_lanes, in[2] + k * in_step[2], in_step[2], 4, here);
+        krhpr_poses_load(theta_lanes, in[2], k * in_step[2], in_step[2], 4, here);
         krhpr_lanes J_lanes[16];
         krhpr_lanes K_lanes[16];
         const int doubtful = krhpr_planar_grasp_prr_jacobians_n_lanes(
             g, pivot_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 16, here);
         krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 16, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&J_stream);
     krhpr_stream_close(&K_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_jacobians_n(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1254,8 +1139,6 @@ KRHPR_API int krhpr_planar_grasp_prr_jacobians_n_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1275,9 +1158,7 @@ KRHPR_API int krhpr_planar_grasp_prr_jacobians_n_soa(
                 g, pivot_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 16, here);
             krhpr_poses_done(K_room, K_at, row, 16, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1332,31 +1213,26 @@ KRHPR_API int krhpr_planar_grasp_prr_jacobians_k_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
-        krhpr_poses_load(pivot_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(pivot_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes s_lanes[4];
-        krhpr_poses_load(s_lanes, in[1] + k * in_step[1], in_step[1], 4, here);
+        krhpr_poses_load(s_lanes, in[1], k * in_step[1], in_step[1], 4, here);
         krhpr_lanes theta_lanes[4];
-        krhpr_poses_load(theta_lanes, in[2] + k * in_step[2], in_step[2], 4, here);
+        krhpr_poses_load(theta_lanes, in[2], k * in_step[2], in_step[2], 4, here);
         krhpr_lanes J_lanes[9];
         krhpr_lanes K_lanes[12];
         const int doubtful = krhpr_planar_grasp_prr_jacobians_k_lanes(
             g, pivot_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 9, here);
         krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 12, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&J_stream);
     krhpr_stream_close(&K_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_jacobians_k(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1372,8 +1248,6 @@ KRHPR_API int krhpr_planar_grasp_prr_jacobians_k_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1393,9 +1267,7 @@ KRHPR_API int krhpr_planar_grasp_prr_jacobians_k_soa(
                 g, pivot_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 9, here);
             krhpr_poses_done(K_room, K_at, row, 12, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1444,29 +1316,24 @@ KRHPR_API int krhpr_planar_grasp_prr_jacobians_r_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[4];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 4, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 4, here);
         krhpr_lanes theta_lanes[4];
-        krhpr_poses_load(theta_lanes, in[1] + k * in_step[1], in_step[1], 4, here);
+        krhpr_poses_load(theta_lanes, in[1], k * in_step[1], in_step[1], 4, here);
         krhpr_lanes J_lanes[12];
         krhpr_lanes K_lanes[16];
         const int doubtful = krhpr_planar_grasp_prr_jacobians_r_lanes(
             g, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 12, here);
         krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 16, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&J_stream);
     krhpr_stream_close(&K_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_jacobians_r(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0],
             out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1482,8 +1349,6 @@ KRHPR_API int krhpr_planar_grasp_prr_jacobians_r_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1501,9 +1366,7 @@ KRHPR_API int krhpr_planar_grasp_prr_jacobians_r_soa(
                 g, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 12, here);
             krhpr_poses_done(K_room, K_at, row, 16, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1575,13 +1438,13 @@ KRHPR_API int krhpr_planar_grasp_prr_twist_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
-        krhpr_poses_load(pivot_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(pivot_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes s_lanes[4];
-        krhpr_poses_load(s_lanes, in[1] + k * in_step[1], in_step[1], 4, here);
+        krhpr_poses_load(s_lanes, in[1], k * in_step[1], in_step[1], 4, here);
         krhpr_lanes theta_lanes[4];
-        krhpr_poses_load(theta_lanes, in[2] + k * in_step[2], in_step[2], 4, here);
+        krhpr_poses_load(theta_lanes, in[2], k * in_step[2], in_step[2], 4, here);
         krhpr_lanes theta_dot_lanes[4];
-        krhpr_poses_load(theta_dot_lanes, in[3] + k * in_step[3], in_step[3], 4, here);
+        krhpr_poses_load(theta_dot_lanes, in[3], k * in_step[3], in_step[3], 4, here);
         krhpr_lanes pivot_rate_lanes[2];
         krhpr_lanes angle_rates_lanes[2];
         krhpr_lanes twist_lanes[3];
@@ -1591,22 +1454,17 @@ KRHPR_API int krhpr_planar_grasp_prr_twist_batch(
         krhpr_stream_put(&pivot_rate_stream, out[0] + k * out_step[0], out_step[0], pivot_rate_lanes, 2, here);
         krhpr_stream_put(&angle_rates_stream, out[1] + k * out_step[1], out_step[1], angle_rates_lanes, 2, here);
         krhpr_stream_put(&twist_stream, out[2] + k * out_step[2], out_step[2], twist_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&pivot_rate_stream);
     krhpr_stream_close(&angle_rates_stream);
     krhpr_stream_close(&twist_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_twist(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1622,8 +1480,6 @@ KRHPR_API int krhpr_planar_grasp_prr_twist_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1650,9 +1506,7 @@ KRHPR_API int krhpr_planar_grasp_prr_twist_soa(
             krhpr_poses_done(pivot_rate_room, pivot_rate_at, row, 2, here);
             krhpr_poses_done(angle_rates_room, angle_rates_at, row, 2, here);
             krhpr_poses_done(twist_room, twist_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1711,33 +1565,28 @@ KRHPR_API int krhpr_planar_grasp_prr_joint_rates_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
-        krhpr_poses_load(pivot_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(pivot_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes s_lanes[4];
-        krhpr_poses_load(s_lanes, in[1] + k * in_step[1], in_step[1], 4, here);
+        krhpr_poses_load(s_lanes, in[1], k * in_step[1], in_step[1], 4, here);
         krhpr_lanes theta_lanes[4];
-        krhpr_poses_load(theta_lanes, in[2] + k * in_step[2], in_step[2], 4, here);
+        krhpr_poses_load(theta_lanes, in[2], k * in_step[2], in_step[2], 4, here);
         krhpr_lanes pivot_rate_lanes[2];
-        krhpr_poses_load(pivot_rate_lanes, in[3] + k * in_step[3], in_step[3], 2, here);
+        krhpr_poses_load(pivot_rate_lanes, in[3], k * in_step[3], in_step[3], 2, here);
         krhpr_lanes angle_rates_lanes[2];
-        krhpr_poses_load(angle_rates_lanes, in[4] + k * in_step[4], in_step[4], 2, here);
+        krhpr_poses_load(angle_rates_lanes, in[4], k * in_step[4], in_step[4], 2, here);
         krhpr_lanes theta_dot_lanes[4];
         const int doubtful = krhpr_planar_grasp_prr_joint_rates_lanes(
             g, pivot_lanes, s_lanes, theta_lanes, pivot_rate_lanes, angle_rates_lanes, theta_dot_lanes,
             &answer);
         krhpr_stream_put(&theta_dot_stream, out[0] + k * out_step[0], out_step[0], theta_dot_lanes, 4, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&theta_dot_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_joint_rates(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1753,8 +1602,6 @@ KRHPR_API int krhpr_planar_grasp_prr_joint_rates_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1775,9 +1622,7 @@ KRHPR_API int krhpr_planar_grasp_prr_joint_rates_soa(
                 g, pivot_lanes, s_lanes, theta_lanes, pivot_rate_lanes, angle_rates_lanes, theta_dot_lanes,
                 &answer);
             krhpr_poses_done(theta_dot_room, theta_dot_at, row, 4, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1838,11 +1683,11 @@ KRHPR_API int krhpr_planar_grasp_prr_singularity_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
-        krhpr_poses_load(pivot_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(pivot_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes s_lanes[4];
-        krhpr_poses_load(s_lanes, in[1] + k * in_step[1], in_step[1], 4, here);
+        krhpr_poses_load(s_lanes, in[1], k * in_step[1], in_step[1], 4, here);
         krhpr_lanes theta_lanes[4];
-        krhpr_poses_load(theta_lanes, in[2] + k * in_step[2], in_step[2], 4, here);
+        krhpr_poses_load(theta_lanes, in[2], k * in_step[2], in_step[2], 4, here);
         krhpr_lanes type_1_lanes[4];
         krhpr_lanes factors_lanes[6];
         krhpr_lanes determinants_lanes[2];
@@ -1854,23 +1699,18 @@ KRHPR_API int krhpr_planar_grasp_prr_singularity_batch(
         krhpr_stream_put(&factors_stream, out[1] + k * out_step[1], out_step[1], factors_lanes, 6, here);
         krhpr_stream_put(&determinants_stream, out[2] + k * out_step[2], out_step[2], determinants_lanes, 2, here);
         krhpr_stream_put(&sine_stream, out[3] + k * out_step[3], out_step[3], sine_lanes, 1, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&type_1_stream);
     krhpr_stream_close(&factors_stream);
     krhpr_stream_close(&determinants_stream);
     krhpr_stream_close(&sine_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_singularity(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
             out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1886,8 +1726,6 @@ KRHPR_API int krhpr_planar_grasp_prr_singularity_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1916,9 +1754,7 @@ KRHPR_API int krhpr_planar_grasp_prr_singularity_soa(
             krhpr_poses_done(factors_room, factors_at, row, 6, here);
             krhpr_poses_done(determinants_room, determinants_at, row, 2, here);
             krhpr_poses_done(sine_room, sine_at, row, 1, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1980,30 +1816,25 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_statics_n_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
-        krhpr_poses_load(pivot_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(pivot_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes s_lanes[4];
-        krhpr_poses_load(s_lanes, in[1] + k * in_step[1], in_step[1], 4, here);
+        krhpr_poses_load(s_lanes, in[1], k * in_step[1], in_step[1], 4, here);
         krhpr_lanes theta_lanes[4];
-        krhpr_poses_load(theta_lanes, in[2] + k * in_step[2], in_step[2], 4, here);
+        krhpr_poses_load(theta_lanes, in[2], k * in_step[2], in_step[2], 4, here);
         krhpr_lanes loads_lanes[4];
-        krhpr_poses_load(loads_lanes, in[3] + k * in_step[3], in_step[3], 4, here);
+        krhpr_poses_load(loads_lanes, in[3], k * in_step[3], in_step[3], 4, here);
         krhpr_lanes actuator_forces_lanes[4];
         const int doubtful = krhpr_planar_grasp_prr_inverse_statics_n_lanes(
             g, pivot_lanes, s_lanes, theta_lanes, loads_lanes, actuator_forces_lanes, &answer);
         krhpr_stream_put(&actuator_forces_stream, out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 4, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&actuator_forces_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_inverse_statics_n(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2019,8 +1850,6 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_statics_n_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2038,9 +1867,7 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_statics_n_soa(
             const int doubtful = krhpr_planar_grasp_prr_inverse_statics_n_lanes(
                 g, pivot_lanes, s_lanes, theta_lanes, loads_lanes, actuator_forces_lanes, &answer);
             krhpr_poses_done(actuator_forces_room, actuator_forces_at, row, 4, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2102,30 +1929,25 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_statics_k_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
-        krhpr_poses_load(pivot_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(pivot_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes s_lanes[4];
-        krhpr_poses_load(s_lanes, in[1] + k * in_step[1], in_step[1], 4, here);
+        krhpr_poses_load(s_lanes, in[1], k * in_step[1], in_step[1], 4, here);
         krhpr_lanes theta_lanes[4];
-        krhpr_poses_load(theta_lanes, in[2] + k * in_step[2], in_step[2], 4, here);
+        krhpr_poses_load(theta_lanes, in[2], k * in_step[2], in_step[2], 4, here);
         krhpr_lanes wrench_lanes[3];
-        krhpr_poses_load(wrench_lanes, in[3] + k * in_step[3], in_step[3], 3, here);
+        krhpr_poses_load(wrench_lanes, in[3], k * in_step[3], in_step[3], 3, here);
         krhpr_lanes actuator_forces_lanes[4];
         const int doubtful = krhpr_planar_grasp_prr_inverse_statics_k_lanes(
             g, pivot_lanes, s_lanes, theta_lanes, wrench_lanes, actuator_forces_lanes, &answer);
         krhpr_stream_put(&actuator_forces_stream, out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 4, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&actuator_forces_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_inverse_statics_k(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2141,8 +1963,6 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_statics_k_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2160,9 +1980,7 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_statics_k_soa(
             const int doubtful = krhpr_planar_grasp_prr_inverse_statics_k_lanes(
                 g, pivot_lanes, s_lanes, theta_lanes, wrench_lanes, actuator_forces_lanes, &answer);
             krhpr_poses_done(actuator_forces_room, actuator_forces_at, row, 4, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2236,13 +2054,13 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_statics_r_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[4];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 4, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 4, here);
         krhpr_lanes theta_lanes[4];
-        krhpr_poses_load(theta_lanes, in[1] + k * in_step[1], in_step[1], 4, here);
+        krhpr_poses_load(theta_lanes, in[1], k * in_step[1], in_step[1], 4, here);
         krhpr_lanes wrench_lanes[3];
-        krhpr_poses_load(wrench_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
+        krhpr_poses_load(wrench_lanes, in[2], k * in_step[2], in_step[2], 3, here);
         krhpr_lanes internal_force_lanes[1];
-        krhpr_poses_load(internal_force_lanes, in[3] + k * in_step[3], in_step[3], 1, here);
+        krhpr_poses_load(internal_force_lanes, in[3], k * in_step[3], in_step[3], 1, here);
         krhpr_lanes actuator_forces_lanes[4];
         krhpr_lanes least_forces_lanes[4];
         krhpr_lanes null_space_lanes[4];
@@ -2252,22 +2070,17 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_statics_r_batch(
         krhpr_stream_put(&actuator_forces_stream, out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 4, here);
         krhpr_stream_put(&least_forces_stream, out[1] + k * out_step[1], out_step[1], least_forces_lanes, 4, here);
         krhpr_stream_put(&null_space_stream, out[2] + k * out_step[2], out_step[2], null_space_lanes, 4, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&actuator_forces_stream);
     krhpr_stream_close(&least_forces_stream);
     krhpr_stream_close(&null_space_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_inverse_statics_r(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             *(in[3] + k * in_step[3]), out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2283,8 +2096,6 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_statics_r_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2311,9 +2122,7 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_statics_r_soa(
             krhpr_poses_done(actuator_forces_room, actuator_forces_at, row, 4, here);
             krhpr_poses_done(least_forces_room, least_forces_at, row, 4, here);
             krhpr_poses_done(null_space_room, null_space_at, row, 4, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2377,33 +2186,28 @@ KRHPR_API int krhpr_planar_grasp_prr_forward_statics_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
-        krhpr_poses_load(pivot_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(pivot_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes s_lanes[4];
-        krhpr_poses_load(s_lanes, in[1] + k * in_step[1], in_step[1], 4, here);
+        krhpr_poses_load(s_lanes, in[1], k * in_step[1], in_step[1], 4, here);
         krhpr_lanes theta_lanes[4];
-        krhpr_poses_load(theta_lanes, in[2] + k * in_step[2], in_step[2], 4, here);
+        krhpr_poses_load(theta_lanes, in[2], k * in_step[2], in_step[2], 4, here);
         krhpr_lanes actuator_forces_lanes[4];
-        krhpr_poses_load(actuator_forces_lanes, in[3] + k * in_step[3], in_step[3], 4, here);
+        krhpr_poses_load(actuator_forces_lanes, in[3], k * in_step[3], in_step[3], 4, here);
         krhpr_lanes loads_lanes[4];
         krhpr_lanes wrench_lanes[3];
         const int doubtful = krhpr_planar_grasp_prr_forward_statics_lanes(
             g, pivot_lanes, s_lanes, theta_lanes, actuator_forces_lanes, loads_lanes, wrench_lanes, &answer);
         krhpr_stream_put(&loads_stream, out[0] + k * out_step[0], out_step[0], loads_lanes, 4, here);
         krhpr_stream_put(&wrench_stream, out[1] + k * out_step[1], out_step[1], wrench_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&loads_stream);
     krhpr_stream_close(&wrench_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_forward_statics(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2419,8 +2223,6 @@ KRHPR_API int krhpr_planar_grasp_prr_forward_statics_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2443,9 +2245,7 @@ KRHPR_API int krhpr_planar_grasp_prr_forward_statics_soa(
                 &answer);
             krhpr_poses_done(loads_room, loads_at, row, 4, here);
             krhpr_poses_done(wrench_room, wrench_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2549,21 +2349,21 @@ KRHPR_API int krhpr_planar_grasp_prr_grasp_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes angles_lanes[2];
-        krhpr_poses_load(angles_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(angles_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes contacts_lanes[4];
-        krhpr_poses_load(contacts_lanes, in[1] + k * in_step[1], in_step[1], 4, here);
+        krhpr_poses_load(contacts_lanes, in[1], k * in_step[1], in_step[1], 4, here);
         krhpr_lanes faces_lanes[2];
-        krhpr_poses_load(faces_lanes, in[2] + k * in_step[2], in_step[2], 2, here);
+        krhpr_poses_load(faces_lanes, in[2], k * in_step[2], in_step[2], 2, here);
         krhpr_lanes mass_centre_lanes[2];
-        krhpr_poses_load(mass_centre_lanes, in[3] + k * in_step[3], in_step[3], 2, here);
+        krhpr_poses_load(mass_centre_lanes, in[3], k * in_step[3], in_step[3], 2, here);
         krhpr_lanes weight_lanes[2];
-        krhpr_poses_load(weight_lanes, in[4] + k * in_step[4], in_step[4], 2, here);
+        krhpr_poses_load(weight_lanes, in[4], k * in_step[4], in_step[4], 2, here);
         krhpr_lanes sensor_lanes[4];
-        krhpr_poses_load(sensor_lanes, in[5] + k * in_step[5], in_step[5], 4, here);
+        krhpr_poses_load(sensor_lanes, in[5], k * in_step[5], in_step[5], 4, here);
         krhpr_lanes measured_force_lanes[1];
-        krhpr_poses_load(measured_force_lanes, in[6] + k * in_step[6], in_step[6], 1, here);
+        krhpr_poses_load(measured_force_lanes, in[6], k * in_step[6], in_step[6], 1, here);
         krhpr_lanes friction_lanes[1];
-        krhpr_poses_load(friction_lanes, in[7] + k * in_step[7], in_step[7], 1, here);
+        krhpr_poses_load(friction_lanes, in[7], k * in_step[7], in_step[7], 1, here);
         krhpr_lanes contact_forces_lanes[4];
         krhpr_lanes loads_lanes[4];
         krhpr_lanes friction_margins_lanes[2];
@@ -2580,9 +2380,7 @@ KRHPR_API int krhpr_planar_grasp_prr_grasp_batch(
         krhpr_stream_put(&determinant_stream, out[3] + k * out_step[3], out_step[3], determinant_lanes, 1, here);
         krhpr_stream_put(&widths_stream, out[4] + k * out_step[4], out_step[4], widths_lanes, 2, here);
         krhpr_stream_put(&pulls_stream, out[5] + k * out_step[5], out_step[5], pulls_lanes, 2, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&contact_forces_stream);
     krhpr_stream_close(&loads_stream);
@@ -2590,17 +2388,14 @@ KRHPR_API int krhpr_planar_grasp_prr_grasp_batch(
     krhpr_stream_close(&determinant_stream);
     krhpr_stream_close(&widths_stream);
     krhpr_stream_close(&pulls_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_grasp(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5],
             *(in[6] + k * in_step[6]), *(in[7] + k * in_step[7]), out[0] + k * out_step[0],
             out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3],
             out[4] + k * out_step[4], out[5] + k * out_step[5]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2616,8 +2411,6 @@ KRHPR_API int krhpr_planar_grasp_prr_grasp_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2665,9 +2458,7 @@ KRHPR_API int krhpr_planar_grasp_prr_grasp_soa(
             krhpr_poses_done(determinant_room, determinant_at, row, 1, here);
             krhpr_poses_done(widths_room, widths_at, row, 2, here);
             krhpr_poses_done(pulls_room, pulls_at, row, 2, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;

@@ -56,25 +56,20 @@ KRHPR_API int krhpr_planar_grasp_rpr_end_points_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
-        krhpr_poses_load(pivot_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(pivot_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes angles_lanes[2];
-        krhpr_poses_load(angles_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
+        krhpr_poses_load(angles_lanes, in[1], k * in_step[1], in_step[1], 2, here);
         krhpr_lanes s_lanes[4];
         const int doubtful = krhpr_planar_grasp_rpr_end_points_lanes(
             g, pivot_lanes, angles_lanes, s_lanes, &answer);
         krhpr_stream_put(&s_stream, out[0] + k * out_step[0], out_step[0], s_lanes, 4, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&s_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_end_points(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -90,8 +85,6 @@ KRHPR_API int krhpr_planar_grasp_rpr_end_points_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -105,9 +98,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_end_points_soa(
             const int doubtful = krhpr_planar_grasp_rpr_end_points_lanes(
                 g, pivot_lanes, angles_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 4, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -159,21 +150,16 @@ KRHPR_API int krhpr_planar_grasp_rpr_subleg_inverse_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[4];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 4, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 4, here);
         krhpr_lanes theta_lanes[4];
         const int doubtful = krhpr_planar_grasp_rpr_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
         krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 4, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&theta_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_subleg_inverse(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -189,8 +175,6 @@ KRHPR_API int krhpr_planar_grasp_rpr_subleg_inverse_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -202,9 +186,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_subleg_inverse_soa(
             const int doubtful = krhpr_planar_grasp_rpr_subleg_inverse_lanes(
                 g, s_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 4, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -264,25 +246,20 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
-        krhpr_poses_load(pivot_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(pivot_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes angles_lanes[2];
-        krhpr_poses_load(angles_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
+        krhpr_poses_load(angles_lanes, in[1], k * in_step[1], in_step[1], 2, here);
         krhpr_lanes theta_lanes[4];
         const int doubtful = krhpr_planar_grasp_rpr_inverse_lanes(
             g, pivot_lanes, angles_lanes, theta_lanes, &answer);
         krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 4, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&theta_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_inverse(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -298,8 +275,6 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -313,9 +288,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_soa(
             const int doubtful = krhpr_planar_grasp_rpr_inverse_lanes(
                 g, pivot_lanes, angles_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 4, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -375,25 +348,20 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_all_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
-        krhpr_poses_load(pivot_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(pivot_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes angles_lanes[2];
-        krhpr_poses_load(angles_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
+        krhpr_poses_load(angles_lanes, in[1], k * in_step[1], in_step[1], 2, here);
         krhpr_lanes theta_lanes[4];
         const int doubtful = krhpr_planar_grasp_rpr_inverse_all_lanes(
             g, pivot_lanes, angles_lanes, theta_lanes, &answer);
         krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 4, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&theta_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_inverse_all(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -409,8 +377,6 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_all_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -424,9 +390,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_all_soa(
             const int doubtful = krhpr_planar_grasp_rpr_inverse_all_lanes(
                 g, pivot_lanes, angles_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 4, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -484,25 +448,20 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_status_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
-        krhpr_poses_load(pivot_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(pivot_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes angles_lanes[2];
-        krhpr_poses_load(angles_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
+        krhpr_poses_load(angles_lanes, in[1], k * in_step[1], in_step[1], 2, here);
         krhpr_lanes excess_lanes[2];
         const int doubtful = krhpr_planar_grasp_rpr_inverse_status_lanes(
             g, pivot_lanes, angles_lanes, excess_lanes, &answer);
         krhpr_stream_put(&excess_stream, out[0] + k * out_step[0], out_step[0], excess_lanes, 2, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&excess_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_inverse_status(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -518,8 +477,6 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_status_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -533,9 +490,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_status_soa(
             const int doubtful = krhpr_planar_grasp_rpr_inverse_status_lanes(
                 g, pivot_lanes, angles_lanes, excess_lanes, &answer);
             krhpr_poses_done(excess_room, excess_at, row, 2, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -583,7 +538,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_subleg_forward_batch(
     const ptrdiff_t together = krhpr_poses_together(count);
     krhpr_lanes assembly_lanes[2];
     if (in[1] == NULL) {
-        krhpr_poses_load(assembly_lanes, assembly_default, 0, 2, KRHPR_LANES);
+        krhpr_poses_load(assembly_lanes, assembly_default, 0, 0, 2, KRHPR_LANES);
     }
     krhpr_lanes s_room[KRHPR_ROOM(4)];
     krhpr_stream s_stream = krhpr_stream_open(s_room, out[0], out_step[0], 4, count);
@@ -591,26 +546,19 @@ KRHPR_API int krhpr_planar_grasp_rpr_subleg_forward_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[4];
-        krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 4, here);
-        if (in[1] != NULL) {
-            krhpr_poses_load(assembly_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
-        }
+        krhpr_poses_load(theta_lanes, in[0], k * in_step[0], in_step[0], 4, here);
+        krhpr_poses_load(assembly_lanes, in[1], k * in_step[1], in_step[1], 2, here);
         krhpr_lanes s_lanes[4];
         const int doubtful = krhpr_planar_grasp_rpr_subleg_forward_lanes(
             g, theta_lanes, assembly_lanes, s_lanes, &answer);
         krhpr_stream_put(&s_stream, out[0] + k * out_step[0], out_step[0], s_lanes, 4, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&s_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_subleg_forward(
             g, in[0] + k * in_step[0], in[1] ? in[1] + k * in_step[1] : NULL, out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -622,7 +570,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_subleg_forward_soa(
 {
     krhpr_lanes assembly_room[2];
     if (in[1] == NULL) {
-        krhpr_poses_load(assembly_room, assembly_default, 0, 2, KRHPR_LANES);
+        krhpr_poses_load(assembly_room, assembly_default, 0, 0, 2, KRHPR_LANES);
     }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
@@ -630,26 +578,19 @@ KRHPR_API int krhpr_planar_grasp_rpr_subleg_forward_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes theta_room[4];
             const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[0] + b * in_step[0] + k, row, 4, here);
-            const krhpr_lanes_at *assembly_lanes = assembly_room;
-            if (in[1] != NULL) {
-                assembly_lanes = krhpr_poses_in(assembly_room, in[1] + b * in_step[1] + k, row, 2, here);
-            }
+            const krhpr_lanes_at *const assembly_lanes = krhpr_poses_given(assembly_room, in[1], b * in_step[1] + k, row, 2, here);
             krhpr_lanes s_room[4];
             double *const s_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const s_lanes = krhpr_poses_out(s_room, s_at, row, here);
             const int doubtful = krhpr_planar_grasp_rpr_subleg_forward_lanes(
                 g, theta_lanes, assembly_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 4, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -714,7 +655,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_forward_batch(
     const ptrdiff_t together = krhpr_poses_together(count);
     krhpr_lanes assembly_lanes[2];
     if (in[1] == NULL) {
-        krhpr_poses_load(assembly_lanes, assembly_default, 0, 2, KRHPR_LANES);
+        krhpr_poses_load(assembly_lanes, assembly_default, 0, 0, 2, KRHPR_LANES);
     }
     krhpr_lanes pivot_room[KRHPR_ROOM(2)];
     krhpr_stream pivot_stream = krhpr_stream_open(pivot_room, out[0], out_step[0], 2, count);
@@ -724,32 +665,25 @@ KRHPR_API int krhpr_planar_grasp_rpr_forward_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[4];
-        krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 4, here);
-        if (in[1] != NULL) {
-            krhpr_poses_load(assembly_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
-        }
+        krhpr_poses_load(theta_lanes, in[0], k * in_step[0], in_step[0], 4, here);
+        krhpr_poses_load(assembly_lanes, in[1], k * in_step[1], in_step[1], 2, here);
         krhpr_lanes side_lanes[1];
-        krhpr_poses_load(side_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_poses_load(side_lanes, in[2], k * in_step[2], in_step[2], 1, here);
         krhpr_lanes pivot_lanes[2];
         krhpr_lanes angles_lanes[2];
         const int doubtful = krhpr_planar_grasp_rpr_forward_lanes(
             g, theta_lanes, assembly_lanes, side_lanes, pivot_lanes, angles_lanes, &answer);
         krhpr_stream_put(&pivot_stream, out[0] + k * out_step[0], out_step[0], pivot_lanes, 2, here);
         krhpr_stream_put(&angles_stream, out[1] + k * out_step[1], out_step[1], angles_lanes, 2, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&pivot_stream);
     krhpr_stream_close(&angles_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_forward(
             g, in[0] + k * in_step[0], in[1] ? in[1] + k * in_step[1] : NULL, *(in[2] + k * in_step[2]),
             out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -761,7 +695,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_forward_soa(
 {
     krhpr_lanes assembly_room[2];
     if (in[1] == NULL) {
-        krhpr_poses_load(assembly_room, assembly_default, 0, 2, KRHPR_LANES);
+        krhpr_poses_load(assembly_room, assembly_default, 0, 0, 2, KRHPR_LANES);
     }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
@@ -769,17 +703,12 @@ KRHPR_API int krhpr_planar_grasp_rpr_forward_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes theta_room[4];
             const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[0] + b * in_step[0] + k, row, 4, here);
-            const krhpr_lanes_at *assembly_lanes = assembly_room;
-            if (in[1] != NULL) {
-                assembly_lanes = krhpr_poses_in(assembly_room, in[1] + b * in_step[1] + k, row, 2, here);
-            }
+            const krhpr_lanes_at *const assembly_lanes = krhpr_poses_given(assembly_room, in[1], b * in_step[1] + k, row, 2, here);
             krhpr_lanes side_room[1];
             const krhpr_lanes_at *const side_lanes = krhpr_poses_in(side_room, in[2] + b * in_step[2] + k, row, 1, here);
             krhpr_lanes pivot_room[2];
@@ -792,9 +721,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_forward_soa(
                 g, theta_lanes, assembly_lanes, side_lanes, pivot_lanes, angles_lanes, &answer);
             krhpr_poses_done(pivot_room, pivot_at, row, 2, here);
             krhpr_poses_done(angles_room, angles_at, row, 2, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -875,26 +802,21 @@ KRHPR_API int krhpr_planar_grasp_rpr_forward_all_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[4];
-        krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 4, here);
+        krhpr_poses_load(theta_lanes, in[0], k * in_step[0], in_step[0], 4, here);
         krhpr_lanes pivot_lanes[16];
         krhpr_lanes angles_lanes[16];
         const int doubtful = krhpr_planar_grasp_rpr_forward_all_lanes(
             g, theta_lanes, pivot_lanes, angles_lanes, &answer);
         krhpr_stream_put(&pivot_stream, out[0] + k * out_step[0], out_step[0], pivot_lanes, 16, here);
         krhpr_stream_put(&angles_stream, out[1] + k * out_step[1], out_step[1], angles_lanes, 16, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&pivot_stream);
     krhpr_stream_close(&angles_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_forward_all(
             g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -910,8 +832,6 @@ KRHPR_API int krhpr_planar_grasp_rpr_forward_all_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -927,9 +847,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_forward_all_soa(
                 g, theta_lanes, pivot_lanes, angles_lanes, &answer);
             krhpr_poses_done(pivot_room, pivot_at, row, 16, here);
             krhpr_poses_done(angles_room, angles_at, row, 16, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -974,25 +892,20 @@ KRHPR_API int krhpr_planar_grasp_rpr_link_points_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[4];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 4, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 4, here);
         krhpr_lanes theta_lanes[4];
-        krhpr_poses_load(theta_lanes, in[1] + k * in_step[1], in_step[1], 4, here);
+        krhpr_poses_load(theta_lanes, in[1], k * in_step[1], in_step[1], 4, here);
         krhpr_lanes points_lanes[12];
         const int doubtful = krhpr_planar_grasp_rpr_link_points_lanes(
             g, s_lanes, theta_lanes, points_lanes, &answer);
         krhpr_stream_put(&points_stream, out[0] + k * out_step[0], out_step[0], points_lanes, 12, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&points_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_link_points(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1008,8 +921,6 @@ KRHPR_API int krhpr_planar_grasp_rpr_link_points_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1023,9 +934,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_link_points_soa(
             const int doubtful = krhpr_planar_grasp_rpr_link_points_lanes(
                 g, s_lanes, theta_lanes, points_lanes, &answer);
             krhpr_poses_done(points_room, points_at, row, 12, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1079,25 +988,20 @@ KRHPR_API int krhpr_planar_grasp_rpr_subleg_jacobian_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[4];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 4, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 4, here);
         krhpr_lanes theta_lanes[4];
-        krhpr_poses_load(theta_lanes, in[1] + k * in_step[1], in_step[1], 4, here);
+        krhpr_poses_load(theta_lanes, in[1], k * in_step[1], in_step[1], 4, here);
         krhpr_lanes M_lanes[8];
         const int doubtful = krhpr_planar_grasp_rpr_subleg_jacobian_lanes(
             g, s_lanes, theta_lanes, M_lanes, &answer);
         krhpr_stream_put(&M_stream, out[0] + k * out_step[0], out_step[0], M_lanes, 8, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&M_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_subleg_jacobian(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1113,8 +1017,6 @@ KRHPR_API int krhpr_planar_grasp_rpr_subleg_jacobian_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1128,9 +1030,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_subleg_jacobian_soa(
             const int doubtful = krhpr_planar_grasp_rpr_subleg_jacobian_lanes(
                 g, s_lanes, theta_lanes, M_lanes, &answer);
             krhpr_poses_done(M_room, M_at, row, 8, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1180,31 +1080,26 @@ KRHPR_API int krhpr_planar_grasp_rpr_jacobians_n_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
-        krhpr_poses_load(pivot_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(pivot_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes s_lanes[4];
-        krhpr_poses_load(s_lanes, in[1] + k * in_step[1], in_step[1], 4, here);
+        krhpr_poses_load(s_lanes, in[1], k * in_step[1], in_step[1], 4, here);
         krhpr_lanes theta_lanes[4];
-        krhpr_poses_load(theta_lanes, in[2] + k * in_step[2], in_step[2], 4, here);
+        krhpr_poses_load(theta_lanes, in[2], k * in_step[2], in_step[2], 4, here);
         krhpr_lanes J_lanes[16];
         krhpr_lanes K_lanes[16];
         const int doubtful = krhpr_planar_grasp_rpr_jacobians_n_lanes(
             g, pivot_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 16, here);
         krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 16, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&J_stream);
     krhpr_stream_close(&K_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_jacobians_n(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1220,8 +1115,6 @@ KRHPR_API int krhpr_planar_grasp_rpr_jacobians_n_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1241,9 +1134,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_jacobians_n_soa(
                 g, pivot_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 16, here);
             krhpr_poses_done(K_room, K_at, row, 16, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1298,31 +1189,26 @@ KRHPR_API int krhpr_planar_grasp_rpr_jacobians_k_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
-        krhpr_poses_load(pivot_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(pivot_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes s_lanes[4];
-        krhpr_poses_load(s_lanes, in[1] + k * in_step[1], in_step[1], 4, here);
+        krhpr_poses_load(s_lanes, in[1], k * in_step[1], in_step[1], 4, here);
         krhpr_lanes theta_lanes[4];
-        krhpr_poses_load(theta_lanes, in[2] + k * in_step[2], in_step[2], 4, here);
+        krhpr_poses_load(theta_lanes, in[2], k * in_step[2], in_step[2], 4, here);
         krhpr_lanes J_lanes[9];
         krhpr_lanes K_lanes[12];
         const int doubtful = krhpr_planar_grasp_rpr_jacobians_k_lanes(
             g, pivot_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 9, here);
         krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 12, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&J_stream);
     krhpr_stream_close(&K_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_jacobians_k(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1338,8 +1224,6 @@ KRHPR_API int krhpr_planar_grasp_rpr_jacobians_k_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1359,9 +1243,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_jacobians_k_soa(
                 g, pivot_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 9, here);
             krhpr_poses_done(K_room, K_at, row, 12, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1410,29 +1292,24 @@ KRHPR_API int krhpr_planar_grasp_rpr_jacobians_r_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[4];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 4, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 4, here);
         krhpr_lanes theta_lanes[4];
-        krhpr_poses_load(theta_lanes, in[1] + k * in_step[1], in_step[1], 4, here);
+        krhpr_poses_load(theta_lanes, in[1], k * in_step[1], in_step[1], 4, here);
         krhpr_lanes J_lanes[12];
         krhpr_lanes K_lanes[16];
         const int doubtful = krhpr_planar_grasp_rpr_jacobians_r_lanes(
             g, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 12, here);
         krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 16, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&J_stream);
     krhpr_stream_close(&K_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_jacobians_r(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0],
             out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1448,8 +1325,6 @@ KRHPR_API int krhpr_planar_grasp_rpr_jacobians_r_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1467,9 +1342,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_jacobians_r_soa(
                 g, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 12, here);
             krhpr_poses_done(K_room, K_at, row, 16, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1541,13 +1414,13 @@ KRHPR_API int krhpr_planar_grasp_rpr_twist_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
-        krhpr_poses_load(pivot_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(pivot_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes s_lanes[4];
-        krhpr_poses_load(s_lanes, in[1] + k * in_step[1], in_step[1], 4, here);
+        krhpr_poses_load(s_lanes, in[1], k * in_step[1], in_step[1], 4, here);
         krhpr_lanes theta_lanes[4];
-        krhpr_poses_load(theta_lanes, in[2] + k * in_step[2], in_step[2], 4, here);
+        krhpr_poses_load(theta_lanes, in[2], k * in_step[2], in_step[2], 4, here);
         krhpr_lanes theta_dot_lanes[4];
-        krhpr_poses_load(theta_dot_lanes, in[3] + k * in_step[3], in_step[3], 4, here);
+        krhpr_poses_load(theta_dot_lanes, in[3], k * in_step[3], in_step[3], 4, here);
         krhpr_lanes pivot_rate_lanes[2];
         krhpr_lanes angle_rates_lanes[2];
         krhpr_lanes twist_lanes[3];
@@ -1557,22 +1430,17 @@ KRHPR_API int krhpr_planar_grasp_rpr_twist_batch(
         krhpr_stream_put(&pivot_rate_stream, out[0] + k * out_step[0], out_step[0], pivot_rate_lanes, 2, here);
         krhpr_stream_put(&angle_rates_stream, out[1] + k * out_step[1], out_step[1], angle_rates_lanes, 2, here);
         krhpr_stream_put(&twist_stream, out[2] + k * out_step[2], out_step[2], twist_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&pivot_rate_stream);
     krhpr_stream_close(&angle_rates_stream);
     krhpr_stream_close(&twist_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_twist(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1588,8 +1456,6 @@ KRHPR_API int krhpr_planar_grasp_rpr_twist_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1616,9 +1482,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_twist_soa(
             krhpr_poses_done(pivot_rate_room, pivot_rate_at, row, 2, here);
             krhpr_poses_done(angle_rates_room, angle_rates_at, row, 2, here);
             krhpr_poses_done(twist_room, twist_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1677,33 +1541,28 @@ KRHPR_API int krhpr_planar_grasp_rpr_joint_rates_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
-        krhpr_poses_load(pivot_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(pivot_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes s_lanes[4];
-        krhpr_poses_load(s_lanes, in[1] + k * in_step[1], in_step[1], 4, here);
+        krhpr_poses_load(s_lanes, in[1], k * in_step[1], in_step[1], 4, here);
         krhpr_lanes theta_lanes[4];
-        krhpr_poses_load(theta_lanes, in[2] + k * in_step[2], in_step[2], 4, here);
+        krhpr_poses_load(theta_lanes, in[2], k * in_step[2], in_step[2], 4, here);
         krhpr_lanes pivot_rate_lanes[2];
-        krhpr_poses_load(pivot_rate_lanes, in[3] + k * in_step[3], in_step[3], 2, here);
+        krhpr_poses_load(pivot_rate_lanes, in[3], k * in_step[3], in_step[3], 2, here);
         krhpr_lanes angle_rates_lanes[2];
-        krhpr_poses_load(angle_rates_lanes, in[4] + k * in_step[4], in_step[4], 2, here);
+        krhpr_poses_load(angle_rates_lanes, in[4], k * in_step[4], in_step[4], 2, here);
         krhpr_lanes theta_dot_lanes[4];
         const int doubtful = krhpr_planar_grasp_rpr_joint_rates_lanes(
             g, pivot_lanes, s_lanes, theta_lanes, pivot_rate_lanes, angle_rates_lanes, theta_dot_lanes,
             &answer);
         krhpr_stream_put(&theta_dot_stream, out[0] + k * out_step[0], out_step[0], theta_dot_lanes, 4, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&theta_dot_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_joint_rates(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1719,8 +1578,6 @@ KRHPR_API int krhpr_planar_grasp_rpr_joint_rates_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1741,9 +1598,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_joint_rates_soa(
                 g, pivot_lanes, s_lanes, theta_lanes, pivot_rate_lanes, angle_rates_lanes, theta_dot_lanes,
                 &answer);
             krhpr_poses_done(theta_dot_room, theta_dot_at, row, 4, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1804,11 +1659,11 @@ KRHPR_API int krhpr_planar_grasp_rpr_singularity_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
-        krhpr_poses_load(pivot_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(pivot_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes s_lanes[4];
-        krhpr_poses_load(s_lanes, in[1] + k * in_step[1], in_step[1], 4, here);
+        krhpr_poses_load(s_lanes, in[1], k * in_step[1], in_step[1], 4, here);
         krhpr_lanes theta_lanes[4];
-        krhpr_poses_load(theta_lanes, in[2] + k * in_step[2], in_step[2], 4, here);
+        krhpr_poses_load(theta_lanes, in[2], k * in_step[2], in_step[2], 4, here);
         krhpr_lanes type_1_lanes[4];
         krhpr_lanes factors_lanes[6];
         krhpr_lanes determinants_lanes[2];
@@ -1820,23 +1675,18 @@ KRHPR_API int krhpr_planar_grasp_rpr_singularity_batch(
         krhpr_stream_put(&factors_stream, out[1] + k * out_step[1], out_step[1], factors_lanes, 6, here);
         krhpr_stream_put(&determinants_stream, out[2] + k * out_step[2], out_step[2], determinants_lanes, 2, here);
         krhpr_stream_put(&sine_stream, out[3] + k * out_step[3], out_step[3], sine_lanes, 1, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&type_1_stream);
     krhpr_stream_close(&factors_stream);
     krhpr_stream_close(&determinants_stream);
     krhpr_stream_close(&sine_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_singularity(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
             out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1852,8 +1702,6 @@ KRHPR_API int krhpr_planar_grasp_rpr_singularity_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1882,9 +1730,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_singularity_soa(
             krhpr_poses_done(factors_room, factors_at, row, 6, here);
             krhpr_poses_done(determinants_room, determinants_at, row, 2, here);
             krhpr_poses_done(sine_room, sine_at, row, 1, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1946,30 +1792,25 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_statics_n_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
-        krhpr_poses_load(pivot_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(pivot_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes s_lanes[4];
-        krhpr_poses_load(s_lanes, in[1] + k * in_step[1], in_step[1], 4, here);
+        krhpr_poses_load(s_lanes, in[1], k * in_step[1], in_step[1], 4, here);
         krhpr_lanes theta_lanes[4];
-        krhpr_poses_load(theta_lanes, in[2] + k * in_step[2], in_step[2], 4, here);
+        krhpr_poses_load(theta_lanes, in[2], k * in_step[2], in_step[2], 4, here);
         krhpr_lanes loads_lanes[4];
-        krhpr_poses_load(loads_lanes, in[3] + k * in_step[3], in_step[3], 4, here);
+        krhpr_poses_load(loads_lanes, in[3], k * in_step[3], in_step[3], 4, here);
         krhpr_lanes actuator_forces_lanes[4];
         const int doubtful = krhpr_planar_grasp_rpr_inverse_statics_n_lanes(
             g, pivot_lanes, s_lanes, theta_lanes, loads_lanes, actuator_forces_lanes, &answer);
         krhpr_stream_put(&actuator_forces_stream, out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 4, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&actuator_forces_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_inverse_statics_n(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1985,8 +1826,6 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_statics_n_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2004,9 +1843,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_statics_n_soa(
             const int doubtful = krhpr_planar_grasp_rpr_inverse_statics_n_lanes(
                 g, pivot_lanes, s_lanes, theta_lanes, loads_lanes, actuator_forces_lanes, &answer);
             krhpr_poses_done(actuator_forces_room, actuator_forces_at, row, 4, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2068,30 +1905,25 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_statics_k_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
-        krhpr_poses_load(pivot_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(pivot_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes s_lanes[4];
-        krhpr_poses_load(s_lanes, in[1] + k * in_step[1], in_step[1], 4, here);
+        krhpr_poses_load(s_lanes, in[1], k * in_step[1], in_step[1], 4, here);
         krhpr_lanes theta_lanes[4];
-        krhpr_poses_load(theta_lanes, in[2] + k * in_step[2], in_step[2], 4, here);
+        krhpr_poses_load(theta_lanes, in[2], k * in_step[2], in_step[2], 4, here);
         krhpr_lanes wrench_lanes[3];
-        krhpr_poses_load(wrench_lanes, in[3] + k * in_step[3], in_step[3], 3, here);
+        krhpr_poses_load(wrench_lanes, in[3], k * in_step[3], in_step[3], 3, here);
         krhpr_lanes actuator_forces_lanes[4];
         const int doubtful = krhpr_planar_grasp_rpr_inverse_statics_k_lanes(
             g, pivot_lanes, s_lanes, theta_lanes, wrench_lanes, actuator_forces_lanes, &answer);
         krhpr_stream_put(&actuator_forces_stream, out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 4, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&actuator_forces_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_inverse_statics_k(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2107,8 +1939,6 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_statics_k_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2126,9 +1956,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_statics_k_soa(
             const int doubtful = krhpr_planar_grasp_rpr_inverse_statics_k_lanes(
                 g, pivot_lanes, s_lanes, theta_lanes, wrench_lanes, actuator_forces_lanes, &answer);
             krhpr_poses_done(actuator_forces_room, actuator_forces_at, row, 4, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2202,13 +2030,13 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_statics_r_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[4];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 4, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 4, here);
         krhpr_lanes theta_lanes[4];
-        krhpr_poses_load(theta_lanes, in[1] + k * in_step[1], in_step[1], 4, here);
+        krhpr_poses_load(theta_lanes, in[1], k * in_step[1], in_step[1], 4, here);
         krhpr_lanes wrench_lanes[3];
-        krhpr_poses_load(wrench_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
+        krhpr_poses_load(wrench_lanes, in[2], k * in_step[2], in_step[2], 3, here);
         krhpr_lanes internal_force_lanes[1];
-        krhpr_poses_load(internal_force_lanes, in[3] + k * in_step[3], in_step[3], 1, here);
+        krhpr_poses_load(internal_force_lanes, in[3], k * in_step[3], in_step[3], 1, here);
         krhpr_lanes actuator_forces_lanes[4];
         krhpr_lanes least_forces_lanes[4];
         krhpr_lanes null_space_lanes[4];
@@ -2218,22 +2046,17 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_statics_r_batch(
         krhpr_stream_put(&actuator_forces_stream, out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 4, here);
         krhpr_stream_put(&least_forces_stream, out[1] + k * out_step[1], out_step[1], least_forces_lanes, 4, here);
         krhpr_stream_put(&null_space_stream, out[2] + k * out_step[2], out_step[2], null_space_lanes, 4, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&actuator_forces_stream);
     krhpr_stream_close(&least_forces_stream);
     krhpr_stream_close(&null_space_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_inverse_statics_r(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             *(in[3] + k * in_step[3]), out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2249,8 +2072,6 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_statics_r_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2277,9 +2098,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_statics_r_soa(
             krhpr_poses_done(actuator_forces_room, actuator_forces_at, row, 4, here);
             krhpr_poses_done(least_forces_room, least_forces_at, row, 4, here);
             krhpr_poses_done(null_space_room, null_space_at, row, 4, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2343,33 +2162,28 @@ KRHPR_API int krhpr_planar_grasp_rpr_forward_statics_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
-        krhpr_poses_load(pivot_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(pivot_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes s_lanes[4];
-        krhpr_poses_load(s_lanes, in[1] + k * in_step[1], in_step[1], 4, here);
+        krhpr_poses_load(s_lanes, in[1], k * in_step[1], in_step[1], 4, here);
         krhpr_lanes theta_lanes[4];
-        krhpr_poses_load(theta_lanes, in[2] + k * in_step[2], in_step[2], 4, here);
+        krhpr_poses_load(theta_lanes, in[2], k * in_step[2], in_step[2], 4, here);
         krhpr_lanes actuator_forces_lanes[4];
-        krhpr_poses_load(actuator_forces_lanes, in[3] + k * in_step[3], in_step[3], 4, here);
+        krhpr_poses_load(actuator_forces_lanes, in[3], k * in_step[3], in_step[3], 4, here);
         krhpr_lanes loads_lanes[4];
         krhpr_lanes wrench_lanes[3];
         const int doubtful = krhpr_planar_grasp_rpr_forward_statics_lanes(
             g, pivot_lanes, s_lanes, theta_lanes, actuator_forces_lanes, loads_lanes, wrench_lanes, &answer);
         krhpr_stream_put(&loads_stream, out[0] + k * out_step[0], out_step[0], loads_lanes, 4, here);
         krhpr_stream_put(&wrench_stream, out[1] + k * out_step[1], out_step[1], wrench_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&loads_stream);
     krhpr_stream_close(&wrench_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_forward_statics(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2385,8 +2199,6 @@ KRHPR_API int krhpr_planar_grasp_rpr_forward_statics_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2409,9 +2221,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_forward_statics_soa(
                 &answer);
             krhpr_poses_done(loads_room, loads_at, row, 4, here);
             krhpr_poses_done(wrench_room, wrench_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2515,21 +2325,21 @@ KRHPR_API int krhpr_planar_grasp_rpr_grasp_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes angles_lanes[2];
-        krhpr_poses_load(angles_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(angles_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes contacts_lanes[4];
-        krhpr_poses_load(contacts_lanes, in[1] + k * in_step[1], in_step[1], 4, here);
+        krhpr_poses_load(contacts_lanes, in[1], k * in_step[1], in_step[1], 4, here);
         krhpr_lanes faces_lanes[2];
-        krhpr_poses_load(faces_lanes, in[2] + k * in_step[2], in_step[2], 2, here);
+        krhpr_poses_load(faces_lanes, in[2], k * in_step[2], in_step[2], 2, here);
         krhpr_lanes mass_centre_lanes[2];
-        krhpr_poses_load(mass_centre_lanes, in[3] + k * in_step[3], in_step[3], 2, here);
+        krhpr_poses_load(mass_centre_lanes, in[3], k * in_step[3], in_step[3], 2, here);
         krhpr_lanes weight_lanes[2];
-        krhpr_poses_load(weight_lanes, in[4] + k * in_step[4], in_step[4], 2, here);
+        krhpr_poses_load(weight_lanes, in[4], k * in_step[4], in_step[4], 2, here);
         krhpr_lanes sensor_lanes[4];
-        krhpr_poses_load(sensor_lanes, in[5] + k * in_step[5], in_step[5], 4, here);
+        krhpr_poses_load(sensor_lanes, in[5], k * in_step[5], in_step[5], 4, here);
         krhpr_lanes measured_force_lanes[1];
-        krhpr_poses_load(measured_force_lanes, in[6] + k * in_step[6], in_step[6], 1, here);
+        krhpr_poses_load(measured_force_lanes, in[6], k * in_step[6], in_step[6], 1, here);
         krhpr_lanes friction_lanes[1];
-        krhpr_poses_load(friction_lanes, in[7] + k * in_step[7], in_step[7], 1, here);
+        krhpr_poses_load(friction_lanes, in[7], k * in_step[7], in_step[7], 1, here);
         krhpr_lanes contact_forces_lanes[4];
         krhpr_lanes loads_lanes[4];
         krhpr_lanes friction_margins_lanes[2];
@@ -2546,9 +2356,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_grasp_batch(
         krhpr_stream_put(&determinant_stream, out[3] + k * out_step[3], out_step[3], determinant_lanes, 1, here);
         krhpr_stream_put(&widths_stream, out[4] + k * out_step[4], out_step[4], widths_lanes, 2, here);
         krhpr_stream_put(&pulls_stream, out[5] + k * out_step[5], out_step[5], pulls_lanes, 2, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&contact_forces_stream);
     krhpr_stream_close(&loads_stream);
@@ -2556,17 +2364,14 @@ KRHPR_API int krhpr_planar_grasp_rpr_grasp_batch(
     krhpr_stream_close(&determinant_stream);
     krhpr_stream_close(&widths_stream);
     krhpr_stream_close(&pulls_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_grasp(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5],
             *(in[6] + k * in_step[6]), *(in[7] + k * in_step[7]), out[0] + k * out_step[0],
             out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3],
             out[4] + k * out_step[4], out[5] + k * out_step[5]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2582,8 +2387,6 @@ KRHPR_API int krhpr_planar_grasp_rpr_grasp_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2631,9 +2434,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_grasp_soa(
             krhpr_poses_done(determinant_room, determinant_at, row, 1, here);
             krhpr_poses_done(widths_room, widths_at, row, 2, here);
             krhpr_poses_done(pulls_room, pulls_at, row, 2, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;

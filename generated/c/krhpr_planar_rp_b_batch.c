@@ -54,28 +54,23 @@ KRHPR_API int krhpr_planar_rp_b_end_points_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes redundant_lanes[3];
-        krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
+        krhpr_poses_load(redundant_lanes, in[2], k * in_step[2], in_step[2], 3, here);
         krhpr_lanes s_lanes[6];
         const int doubtful = krhpr_planar_rp_b_end_points_lanes(
             g, p_lanes, phi_lanes, redundant_lanes, s_lanes, &answer);
         krhpr_stream_put(&s_stream, out[0] + k * out_step[0], out_step[0], s_lanes, 6, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&s_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rp_b_end_points(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -91,8 +86,6 @@ KRHPR_API int krhpr_planar_rp_b_end_points_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -108,9 +101,7 @@ KRHPR_API int krhpr_planar_rp_b_end_points_soa(
             const int doubtful = krhpr_planar_rp_b_end_points_lanes(
                 g, p_lanes, phi_lanes, redundant_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 6, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -158,28 +149,23 @@ KRHPR_API int krhpr_planar_rp_b_redundant_coordinates_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 6, here);
         krhpr_lanes redundant_lanes[3];
         const int doubtful = krhpr_planar_rp_b_redundant_coordinates_lanes(
             g, p_lanes, phi_lanes, s_lanes, redundant_lanes, &answer);
         krhpr_stream_put(&redundant_stream, out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&redundant_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rp_b_redundant_coordinates(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -195,8 +181,6 @@ KRHPR_API int krhpr_planar_rp_b_redundant_coordinates_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -212,9 +196,7 @@ KRHPR_API int krhpr_planar_rp_b_redundant_coordinates_soa(
             const int doubtful = krhpr_planar_rp_b_redundant_coordinates_lanes(
                 g, p_lanes, phi_lanes, s_lanes, redundant_lanes, &answer);
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -263,21 +245,16 @@ KRHPR_API int krhpr_planar_rp_b_subleg_forward_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[6];
-        krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
+        krhpr_poses_load(theta_lanes, in[0], k * in_step[0], in_step[0], 6, here);
         krhpr_lanes s_lanes[6];
         const int doubtful = krhpr_planar_rp_b_subleg_forward_lanes(g, theta_lanes, s_lanes, &answer);
         krhpr_stream_put(&s_stream, out[0] + k * out_step[0], out_step[0], s_lanes, 6, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&s_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rp_b_subleg_forward(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -293,8 +270,6 @@ KRHPR_API int krhpr_planar_rp_b_subleg_forward_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -305,9 +280,7 @@ KRHPR_API int krhpr_planar_rp_b_subleg_forward_soa(
             krhpr_lanes_at *const s_lanes = krhpr_poses_out(s_room, s_at, row, here);
             const int doubtful = krhpr_planar_rp_b_subleg_forward_lanes(g, theta_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 6, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -357,21 +330,16 @@ KRHPR_API int krhpr_planar_rp_b_subleg_inverse_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 6, here);
         krhpr_lanes theta_lanes[12];
         const int doubtful = krhpr_planar_rp_b_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
         krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 12, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&theta_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rp_b_subleg_inverse(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -387,8 +355,6 @@ KRHPR_API int krhpr_planar_rp_b_subleg_inverse_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -399,9 +365,7 @@ KRHPR_API int krhpr_planar_rp_b_subleg_inverse_soa(
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
             const int doubtful = krhpr_planar_rp_b_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 12, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -452,25 +416,20 @@ KRHPR_API int krhpr_planar_rp_b_subleg_jacobian_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 6, here);
         krhpr_lanes theta_lanes[6];
-        krhpr_poses_load(theta_lanes, in[1] + k * in_step[1], in_step[1], 6, here);
+        krhpr_poses_load(theta_lanes, in[1], k * in_step[1], in_step[1], 6, here);
         krhpr_lanes M_lanes[12];
         const int doubtful = krhpr_planar_rp_b_subleg_jacobian_lanes(
             g, s_lanes, theta_lanes, M_lanes, &answer);
         krhpr_stream_put(&M_stream, out[0] + k * out_step[0], out_step[0], M_lanes, 12, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&M_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rp_b_subleg_jacobian(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -486,8 +445,6 @@ KRHPR_API int krhpr_planar_rp_b_subleg_jacobian_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -501,9 +458,7 @@ KRHPR_API int krhpr_planar_rp_b_subleg_jacobian_soa(
             const int doubtful = krhpr_planar_rp_b_subleg_jacobian_lanes(
                 g, s_lanes, theta_lanes, M_lanes, &answer);
             krhpr_poses_done(M_room, M_at, row, 12, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -551,28 +506,23 @@ KRHPR_API int krhpr_planar_rp_b_constraints_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 6, here);
         krhpr_lanes residual_lanes[3];
         const int doubtful = krhpr_planar_rp_b_constraints_lanes(
             g, p_lanes, phi_lanes, s_lanes, residual_lanes, &answer);
         krhpr_stream_put(&residual_stream, out[0] + k * out_step[0], out_step[0], residual_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&residual_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rp_b_constraints(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -588,8 +538,6 @@ KRHPR_API int krhpr_planar_rp_b_constraints_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -605,9 +553,7 @@ KRHPR_API int krhpr_planar_rp_b_constraints_soa(
             const int doubtful = krhpr_planar_rp_b_constraints_lanes(
                 g, p_lanes, phi_lanes, s_lanes, residual_lanes, &answer);
             krhpr_poses_done(residual_room, residual_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -675,33 +621,28 @@ KRHPR_API int krhpr_planar_rp_b_jacobians_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 6, here);
         krhpr_lanes theta_lanes[6];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 6, here);
         krhpr_lanes J_lanes[9];
         krhpr_lanes K_lanes[18];
         const int doubtful = krhpr_planar_rp_b_jacobians_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 9, here);
         krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 18, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&J_stream);
     krhpr_stream_close(&K_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rp_b_jacobians(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -717,8 +658,6 @@ KRHPR_API int krhpr_planar_rp_b_jacobians_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -740,9 +679,7 @@ KRHPR_API int krhpr_planar_rp_b_jacobians_soa(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 9, here);
             krhpr_poses_done(K_room, K_at, row, 18, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -803,33 +740,28 @@ KRHPR_API int krhpr_planar_rp_b_jacobian_blocks_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 6, here);
         krhpr_lanes theta_lanes[6];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 6, here);
         krhpr_lanes J_lanes[9];
         krhpr_lanes K_lanes[6];
         const int doubtful = krhpr_planar_rp_b_jacobian_blocks_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 9, here);
         krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 6, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&J_stream);
     krhpr_stream_close(&K_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rp_b_jacobian_blocks(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -845,8 +777,6 @@ KRHPR_API int krhpr_planar_rp_b_jacobian_blocks_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -868,9 +798,7 @@ KRHPR_API int krhpr_planar_rp_b_jacobian_blocks_soa(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 9, here);
             krhpr_poses_done(K_room, K_at, row, 6, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -945,33 +873,28 @@ KRHPR_API int krhpr_planar_rp_b_jacobians_n_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 6, here);
         krhpr_lanes theta_lanes[6];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 6, here);
         krhpr_lanes J_lanes[36];
         krhpr_lanes K_lanes[36];
         const int doubtful = krhpr_planar_rp_b_jacobians_n_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 36, here);
         krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 36, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&J_stream);
     krhpr_stream_close(&K_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rp_b_jacobians_n(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -987,8 +910,6 @@ KRHPR_API int krhpr_planar_rp_b_jacobians_n_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1010,9 +931,7 @@ KRHPR_API int krhpr_planar_rp_b_jacobians_n_soa(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 36, here);
             krhpr_poses_done(K_room, K_at, row, 36, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1068,7 +987,7 @@ KRHPR_API int krhpr_planar_rp_b_inverse_batch(
     const ptrdiff_t together = krhpr_poses_together(count);
     krhpr_lanes mode_lanes[3];
     if (in[3] == NULL) {
-        krhpr_poses_load(mode_lanes, mode_default, 0, 3, KRHPR_LANES);
+        krhpr_poses_load(mode_lanes, mode_default, 0, 0, 3, KRHPR_LANES);
     }
     krhpr_lanes theta_room[KRHPR_ROOM(6)];
     krhpr_stream theta_stream = krhpr_stream_open(theta_room, out[0], out_step[0], 6, count);
@@ -1076,31 +995,24 @@ KRHPR_API int krhpr_planar_rp_b_inverse_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes redundant_lanes[3];
-        krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
-        if (in[3] != NULL) {
-            krhpr_poses_load(mode_lanes, in[3] + k * in_step[3], in_step[3], 3, here);
-        }
+        krhpr_poses_load(redundant_lanes, in[2], k * in_step[2], in_step[2], 3, here);
+        krhpr_poses_load(mode_lanes, in[3], k * in_step[3], in_step[3], 3, here);
         krhpr_lanes theta_lanes[6];
         const int doubtful = krhpr_planar_rp_b_inverse_lanes(
             g, p_lanes, phi_lanes, redundant_lanes, mode_lanes, theta_lanes, &answer);
         krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 6, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&theta_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rp_b_inverse(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             in[3] ? in[3] + k * in_step[3] : NULL, out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1112,7 +1024,7 @@ KRHPR_API int krhpr_planar_rp_b_inverse_soa(
 {
     krhpr_lanes mode_room[3];
     if (in[3] == NULL) {
-        krhpr_poses_load(mode_room, mode_default, 0, 3, KRHPR_LANES);
+        krhpr_poses_load(mode_room, mode_default, 0, 0, 3, KRHPR_LANES);
     }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
@@ -1120,8 +1032,6 @@ KRHPR_API int krhpr_planar_rp_b_inverse_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1131,19 +1041,14 @@ KRHPR_API int krhpr_planar_rp_b_inverse_soa(
             const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes redundant_room[3];
             const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
-            const krhpr_lanes_at *mode_lanes = mode_room;
-            if (in[3] != NULL) {
-                mode_lanes = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 3, here);
-            }
+            const krhpr_lanes_at *const mode_lanes = krhpr_poses_given(mode_room, in[3], b * in_step[3] + k, row, 3, here);
             krhpr_lanes theta_room[6];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
             const int doubtful = krhpr_planar_rp_b_inverse_lanes(
                 g, p_lanes, phi_lanes, redundant_lanes, mode_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 6, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1202,28 +1107,23 @@ KRHPR_API int krhpr_planar_rp_b_inverse_all_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes redundant_lanes[3];
-        krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
+        krhpr_poses_load(redundant_lanes, in[2], k * in_step[2], in_step[2], 3, here);
         krhpr_lanes theta_lanes[12];
         const int doubtful = krhpr_planar_rp_b_inverse_all_lanes(
             g, p_lanes, phi_lanes, redundant_lanes, theta_lanes, &answer);
         krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 12, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&theta_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rp_b_inverse_all(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1239,8 +1139,6 @@ KRHPR_API int krhpr_planar_rp_b_inverse_all_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1256,9 +1154,7 @@ KRHPR_API int krhpr_planar_rp_b_inverse_all_soa(
             const int doubtful = krhpr_planar_rp_b_inverse_all_lanes(
                 g, p_lanes, phi_lanes, redundant_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 12, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1270,14 +1166,11 @@ KRHPR_API int krhpr_planar_rp_b_inverse_near_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rp_b_inverse_near(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1293,25 +1186,20 @@ KRHPR_API int krhpr_planar_rp_b_inverse_near_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; ++k) {
             double p_pose[2];
             double phi_pose[1];
             double redundant_pose[3];
             double theta_near_pose[6];
             double theta_pose[6];
-            krhpr_pose_load(p_pose, in[0] + b * in_step[0] + k, row, 2);
-            krhpr_pose_load(phi_pose, in[1] + b * in_step[1] + k, row, 1);
-            krhpr_pose_load(redundant_pose, in[2] + b * in_step[2] + k, row, 3);
-            krhpr_pose_load(theta_near_pose, in[3] + b * in_step[3] + k, row, 6);
+            krhpr_pose_load(p_pose, in[0], b * in_step[0] + k, row, 2);
+            krhpr_pose_load(phi_pose, in[1], b * in_step[1] + k, row, 1);
+            krhpr_pose_load(redundant_pose, in[2], b * in_step[2] + k, row, 3);
+            krhpr_pose_load(theta_near_pose, in[3], b * in_step[3] + k, row, 6);
             const int here = krhpr_planar_rp_b_inverse_near(
                 g, p_pose, phi_pose[0], redundant_pose, theta_near_pose, theta_pose);
             krhpr_pose_store(out[0] + b * out_step[0] + k, row, theta_pose, 6);
-            first = first == KRHPR_OK ? here : first;
-            if (answers != NULL) {
-                answers[k] = here;
-            }
+            first = krhpr_pose_report(here, first, status, b * row + k);
         }
     }
     return first;
@@ -1365,7 +1253,7 @@ KRHPR_API int krhpr_planar_rp_b_inverse_status_batch(
     const ptrdiff_t together = krhpr_poses_together(count);
     krhpr_lanes mode_lanes[3];
     if (in[3] == NULL) {
-        krhpr_poses_load(mode_lanes, mode_default, 0, 3, KRHPR_LANES);
+        krhpr_poses_load(mode_lanes, mode_default, 0, 0, 3, KRHPR_LANES);
     }
     krhpr_lanes excess_room[KRHPR_ROOM(3)];
     krhpr_stream excess_stream = krhpr_stream_open(excess_room, out[0], out_step[0], 3, count);
@@ -1373,31 +1261,24 @@ KRHPR_API int krhpr_planar_rp_b_inverse_status_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes redundant_lanes[3];
-        krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
-        if (in[3] != NULL) {
-            krhpr_poses_load(mode_lanes, in[3] + k * in_step[3], in_step[3], 3, here);
-        }
+        krhpr_poses_load(redundant_lanes, in[2], k * in_step[2], in_step[2], 3, here);
+        krhpr_poses_load(mode_lanes, in[3], k * in_step[3], in_step[3], 3, here);
         krhpr_lanes excess_lanes[3];
         const int doubtful = krhpr_planar_rp_b_inverse_status_lanes(
             g, p_lanes, phi_lanes, redundant_lanes, mode_lanes, excess_lanes, &answer);
         krhpr_stream_put(&excess_stream, out[0] + k * out_step[0], out_step[0], excess_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&excess_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rp_b_inverse_status(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             in[3] ? in[3] + k * in_step[3] : NULL, out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1409,7 +1290,7 @@ KRHPR_API int krhpr_planar_rp_b_inverse_status_soa(
 {
     krhpr_lanes mode_room[3];
     if (in[3] == NULL) {
-        krhpr_poses_load(mode_room, mode_default, 0, 3, KRHPR_LANES);
+        krhpr_poses_load(mode_room, mode_default, 0, 0, 3, KRHPR_LANES);
     }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
@@ -1417,8 +1298,6 @@ KRHPR_API int krhpr_planar_rp_b_inverse_status_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1428,19 +1307,14 @@ KRHPR_API int krhpr_planar_rp_b_inverse_status_soa(
             const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes redundant_room[3];
             const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
-            const krhpr_lanes_at *mode_lanes = mode_room;
-            if (in[3] != NULL) {
-                mode_lanes = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 3, here);
-            }
+            const krhpr_lanes_at *const mode_lanes = krhpr_poses_given(mode_room, in[3], b * in_step[3] + k, row, 3, here);
             krhpr_lanes excess_room[3];
             double *const excess_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const excess_lanes = krhpr_poses_out(excess_room, excess_at, row, here);
             const int doubtful = krhpr_planar_rp_b_inverse_status_lanes(
                 g, p_lanes, phi_lanes, redundant_lanes, mode_lanes, excess_lanes, &answer);
             krhpr_poses_done(excess_room, excess_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1512,32 +1386,27 @@ KRHPR_API int krhpr_planar_rp_b_twist_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 6, here);
         krhpr_lanes theta_lanes[6];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 6, here);
         krhpr_lanes theta_dot_lanes[6];
-        krhpr_poses_load(theta_dot_lanes, in[4] + k * in_step[4], in_step[4], 6, here);
+        krhpr_poses_load(theta_dot_lanes, in[4], k * in_step[4], in_step[4], 6, here);
         krhpr_lanes twist_lanes[3];
         const int doubtful = krhpr_planar_rp_b_twist_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
         krhpr_stream_put(&twist_stream, out[0] + k * out_step[0], out_step[0], twist_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&twist_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rp_b_twist(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1553,8 +1422,6 @@ KRHPR_API int krhpr_planar_rp_b_twist_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1574,9 +1441,7 @@ KRHPR_API int krhpr_planar_rp_b_twist_soa(
             const int doubtful = krhpr_planar_rp_b_twist_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
             krhpr_poses_done(twist_room, twist_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1645,35 +1510,30 @@ KRHPR_API int krhpr_planar_rp_b_joint_rates_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 6, here);
         krhpr_lanes theta_lanes[6];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 6, here);
         krhpr_lanes twist_lanes[3];
-        krhpr_poses_load(twist_lanes, in[4] + k * in_step[4], in_step[4], 3, here);
+        krhpr_poses_load(twist_lanes, in[4], k * in_step[4], in_step[4], 3, here);
         krhpr_lanes redundant_rates_lanes[3];
-        krhpr_poses_load(redundant_rates_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
+        krhpr_poses_load(redundant_rates_lanes, in[5], k * in_step[5], in_step[5], 3, here);
         krhpr_lanes theta_dot_lanes[6];
         const int doubtful = krhpr_planar_rp_b_joint_rates_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
             theta_dot_lanes, &answer);
         krhpr_stream_put(&theta_dot_stream, out[0] + k * out_step[0], out_step[0], theta_dot_lanes, 6, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&theta_dot_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rp_b_joint_rates(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1689,8 +1549,6 @@ KRHPR_API int krhpr_planar_rp_b_joint_rates_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1713,9 +1571,7 @@ KRHPR_API int krhpr_planar_rp_b_joint_rates_soa(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
                 theta_dot_lanes, &answer);
             krhpr_poses_done(theta_dot_room, theta_dot_at, row, 6, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1796,38 +1652,33 @@ KRHPR_API int krhpr_planar_rp_b_platform_acceleration_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 6, here);
         krhpr_lanes theta_lanes[6];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 6, here);
         krhpr_lanes twist_lanes[3];
-        krhpr_poses_load(twist_lanes, in[4] + k * in_step[4], in_step[4], 3, here);
+        krhpr_poses_load(twist_lanes, in[4], k * in_step[4], in_step[4], 3, here);
         krhpr_lanes theta_dot_lanes[6];
-        krhpr_poses_load(theta_dot_lanes, in[5] + k * in_step[5], in_step[5], 6, here);
+        krhpr_poses_load(theta_dot_lanes, in[5], k * in_step[5], in_step[5], 6, here);
         krhpr_lanes theta_ddot_lanes[6];
-        krhpr_poses_load(theta_ddot_lanes, in[6] + k * in_step[6], in_step[6], 6, here);
+        krhpr_poses_load(theta_ddot_lanes, in[6], k * in_step[6], in_step[6], 6, here);
         krhpr_lanes twist_rate_lanes[3];
         const int doubtful = krhpr_planar_rp_b_platform_acceleration_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
             twist_rate_lanes, &answer);
         krhpr_stream_put(&twist_rate_stream, out[0] + k * out_step[0], out_step[0], twist_rate_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&twist_rate_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rp_b_platform_acceleration(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1843,8 +1694,6 @@ KRHPR_API int krhpr_planar_rp_b_platform_acceleration_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1869,9 +1718,7 @@ KRHPR_API int krhpr_planar_rp_b_platform_acceleration_soa(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
                 twist_rate_lanes, &answer);
             krhpr_poses_done(twist_rate_room, twist_rate_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1952,42 +1799,37 @@ KRHPR_API int krhpr_planar_rp_b_joint_accelerations_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 6, here);
         krhpr_lanes theta_lanes[6];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 6, here);
         krhpr_lanes twist_lanes[3];
-        krhpr_poses_load(twist_lanes, in[4] + k * in_step[4], in_step[4], 3, here);
+        krhpr_poses_load(twist_lanes, in[4], k * in_step[4], in_step[4], 3, here);
         krhpr_lanes redundant_rates_lanes[3];
-        krhpr_poses_load(redundant_rates_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
+        krhpr_poses_load(redundant_rates_lanes, in[5], k * in_step[5], in_step[5], 3, here);
         krhpr_lanes theta_dot_lanes[6];
-        krhpr_poses_load(theta_dot_lanes, in[6] + k * in_step[6], in_step[6], 6, here);
+        krhpr_poses_load(theta_dot_lanes, in[6], k * in_step[6], in_step[6], 6, here);
         krhpr_lanes twist_rate_lanes[3];
-        krhpr_poses_load(twist_rate_lanes, in[7] + k * in_step[7], in_step[7], 3, here);
+        krhpr_poses_load(twist_rate_lanes, in[7], k * in_step[7], in_step[7], 3, here);
         krhpr_lanes redundant_accelerations_lanes[3];
-        krhpr_poses_load(redundant_accelerations_lanes, in[8] + k * in_step[8], in_step[8], 3, here);
+        krhpr_poses_load(redundant_accelerations_lanes, in[8], k * in_step[8], in_step[8], 3, here);
         krhpr_lanes theta_ddot_lanes[6];
         const int doubtful = krhpr_planar_rp_b_joint_accelerations_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
             theta_dot_lanes, twist_rate_lanes, redundant_accelerations_lanes, theta_ddot_lanes, &answer);
         krhpr_stream_put(&theta_ddot_stream, out[0] + k * out_step[0], out_step[0], theta_ddot_lanes, 6, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&theta_ddot_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rp_b_joint_accelerations(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
             in[7] + k * in_step[7], in[8] + k * in_step[8], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2003,8 +1845,6 @@ KRHPR_API int krhpr_planar_rp_b_joint_accelerations_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2033,9 +1873,7 @@ KRHPR_API int krhpr_planar_rp_b_joint_accelerations_soa(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
                 theta_dot_lanes, twist_rate_lanes, redundant_accelerations_lanes, theta_ddot_lanes, &answer);
             krhpr_poses_done(theta_ddot_room, theta_ddot_at, row, 6, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2113,35 +1951,30 @@ KRHPR_API int krhpr_planar_rp_b_inverse_statics_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 6, here);
         krhpr_lanes theta_lanes[6];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 6, here);
         krhpr_lanes wrench_lanes[3];
-        krhpr_poses_load(wrench_lanes, in[4] + k * in_step[4], in_step[4], 3, here);
+        krhpr_poses_load(wrench_lanes, in[4], k * in_step[4], in_step[4], 3, here);
         krhpr_lanes redundant_forces_lanes[3];
-        krhpr_poses_load(redundant_forces_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
+        krhpr_poses_load(redundant_forces_lanes, in[5], k * in_step[5], in_step[5], 3, here);
         krhpr_lanes actuator_forces_lanes[6];
         const int doubtful = krhpr_planar_rp_b_inverse_statics_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, wrench_lanes, redundant_forces_lanes,
             actuator_forces_lanes, &answer);
         krhpr_stream_put(&actuator_forces_stream, out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 6, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&actuator_forces_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rp_b_inverse_statics(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2157,8 +1990,6 @@ KRHPR_API int krhpr_planar_rp_b_inverse_statics_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2181,9 +2012,7 @@ KRHPR_API int krhpr_planar_rp_b_inverse_statics_soa(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, wrench_lanes, redundant_forces_lanes,
                 actuator_forces_lanes, &answer);
             krhpr_poses_done(actuator_forces_room, actuator_forces_at, row, 6, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2261,15 +2090,15 @@ KRHPR_API int krhpr_planar_rp_b_forward_statics_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 6, here);
         krhpr_lanes theta_lanes[6];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 6, here);
         krhpr_lanes actuator_forces_lanes[6];
-        krhpr_poses_load(actuator_forces_lanes, in[4] + k * in_step[4], in_step[4], 6, here);
+        krhpr_poses_load(actuator_forces_lanes, in[4], k * in_step[4], in_step[4], 6, here);
         krhpr_lanes wrench_lanes[3];
         krhpr_lanes redundant_forces_lanes[3];
         const int doubtful = krhpr_planar_rp_b_forward_statics_lanes(
@@ -2277,21 +2106,16 @@ KRHPR_API int krhpr_planar_rp_b_forward_statics_batch(
             redundant_forces_lanes, &answer);
         krhpr_stream_put(&wrench_stream, out[0] + k * out_step[0], out_step[0], wrench_lanes, 3, here);
         krhpr_stream_put(&redundant_forces_stream, out[1] + k * out_step[1], out_step[1], redundant_forces_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&wrench_stream);
     krhpr_stream_close(&redundant_forces_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rp_b_forward_statics(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], out[0] + k * out_step[0],
             out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2307,8 +2131,6 @@ KRHPR_API int krhpr_planar_rp_b_forward_statics_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2333,9 +2155,7 @@ KRHPR_API int krhpr_planar_rp_b_forward_statics_soa(
                 redundant_forces_lanes, &answer);
             krhpr_poses_done(wrench_room, wrench_at, row, 3, here);
             krhpr_poses_done(redundant_forces_room, redundant_forces_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2396,9 +2216,9 @@ KRHPR_API int krhpr_planar_rp_b_opening_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes redundant_lanes[3];
-        krhpr_poses_load(redundant_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(redundant_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes jaws_lanes[3];
-        krhpr_poses_load(jaws_lanes, in[1] + k * in_step[1], in_step[1], 3, here);
+        krhpr_poses_load(jaws_lanes, in[1], k * in_step[1], in_step[1], 3, here);
         krhpr_lanes opening_lanes[1];
         krhpr_lanes centre_lanes[2];
         krhpr_lanes shares_lanes[3];
@@ -2407,21 +2227,16 @@ KRHPR_API int krhpr_planar_rp_b_opening_batch(
         krhpr_stream_put(&opening_stream, out[0] + k * out_step[0], out_step[0], opening_lanes, 1, here);
         krhpr_stream_put(&centre_stream, out[1] + k * out_step[1], out_step[1], centre_lanes, 2, here);
         krhpr_stream_put(&shares_stream, out[2] + k * out_step[2], out_step[2], shares_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&opening_stream);
     krhpr_stream_close(&centre_stream);
     krhpr_stream_close(&shares_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rp_b_opening(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0],
             out[1] + k * out_step[1], out[2] + k * out_step[2]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2437,8 +2252,6 @@ KRHPR_API int krhpr_planar_rp_b_opening_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2460,9 +2273,7 @@ KRHPR_API int krhpr_planar_rp_b_opening_soa(
             krhpr_poses_done(opening_room, opening_at, row, 1, here);
             krhpr_poses_done(centre_room, centre_at, row, 2, here);
             krhpr_poses_done(shares_room, shares_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2504,28 +2315,23 @@ KRHPR_API int krhpr_planar_rp_b_redundant_of_opening_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes opening_lanes[1];
-        krhpr_poses_load(opening_lanes, in[0] + k * in_step[0], in_step[0], 1, here);
+        krhpr_poses_load(opening_lanes, in[0], k * in_step[0], in_step[0], 1, here);
         krhpr_lanes centre_lanes[2];
-        krhpr_poses_load(centre_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
+        krhpr_poses_load(centre_lanes, in[1], k * in_step[1], in_step[1], 2, here);
         krhpr_lanes jaws_lanes[3];
-        krhpr_poses_load(jaws_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
+        krhpr_poses_load(jaws_lanes, in[2], k * in_step[2], in_step[2], 3, here);
         krhpr_lanes redundant_lanes[3];
         const int doubtful = krhpr_planar_rp_b_redundant_of_opening_lanes(
             g, opening_lanes, centre_lanes, jaws_lanes, redundant_lanes, &answer);
         krhpr_stream_put(&redundant_stream, out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&redundant_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rp_b_redundant_of_opening(
             g, *(in[0] + k * in_step[0]), in[1] + k * in_step[1], in[2] + k * in_step[2],
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2541,8 +2347,6 @@ KRHPR_API int krhpr_planar_rp_b_redundant_of_opening_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2558,9 +2362,7 @@ KRHPR_API int krhpr_planar_rp_b_redundant_of_opening_soa(
             const int doubtful = krhpr_planar_rp_b_redundant_of_opening_lanes(
                 g, opening_lanes, centre_lanes, jaws_lanes, redundant_lanes, &answer);
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2658,17 +2460,17 @@ KRHPR_API int krhpr_planar_rp_b_grasp_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[0] + k * in_step[0], in_step[0], 1, here);
+        krhpr_poses_load(phi_lanes, in[0], k * in_step[0], in_step[0], 1, here);
         krhpr_lanes contacts_lanes[6];
-        krhpr_poses_load(contacts_lanes, in[1] + k * in_step[1], in_step[1], 6, here);
+        krhpr_poses_load(contacts_lanes, in[1], k * in_step[1], in_step[1], 6, here);
         krhpr_lanes mass_centre_lanes[2];
-        krhpr_poses_load(mass_centre_lanes, in[2] + k * in_step[2], in_step[2], 2, here);
+        krhpr_poses_load(mass_centre_lanes, in[2], k * in_step[2], in_step[2], 2, here);
         krhpr_lanes weight_lanes[2];
-        krhpr_poses_load(weight_lanes, in[3] + k * in_step[3], in_step[3], 2, here);
+        krhpr_poses_load(weight_lanes, in[3], k * in_step[3], in_step[3], 2, here);
         krhpr_lanes normal_forces_lanes[3];
-        krhpr_poses_load(normal_forces_lanes, in[4] + k * in_step[4], in_step[4], 3, here);
+        krhpr_poses_load(normal_forces_lanes, in[4], k * in_step[4], in_step[4], 3, here);
         krhpr_lanes friction_lanes[1];
-        krhpr_poses_load(friction_lanes, in[5] + k * in_step[5], in_step[5], 1, here);
+        krhpr_poses_load(friction_lanes, in[5], k * in_step[5], in_step[5], 1, here);
         krhpr_lanes contact_forces_lanes[6];
         krhpr_lanes wrench_lanes[3];
         krhpr_lanes redundant_forces_lanes[3];
@@ -2681,24 +2483,19 @@ KRHPR_API int krhpr_planar_rp_b_grasp_batch(
         krhpr_stream_put(&wrench_stream, out[1] + k * out_step[1], out_step[1], wrench_lanes, 3, here);
         krhpr_stream_put(&redundant_forces_stream, out[2] + k * out_step[2], out_step[2], redundant_forces_lanes, 3, here);
         krhpr_stream_put(&friction_margins_stream, out[3] + k * out_step[3], out_step[3], friction_margins_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&contact_forces_stream);
     krhpr_stream_close(&wrench_stream);
     krhpr_stream_close(&redundant_forces_stream);
     krhpr_stream_close(&friction_margins_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rp_b_grasp(
             g, *(in[0] + k * in_step[0]), in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], *(in[5] + k * in_step[5]),
             out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
             out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2714,8 +2511,6 @@ KRHPR_API int krhpr_planar_rp_b_grasp_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2751,9 +2546,7 @@ KRHPR_API int krhpr_planar_rp_b_grasp_soa(
             krhpr_poses_done(wrench_room, wrench_at, row, 3, here);
             krhpr_poses_done(redundant_forces_room, redundant_forces_at, row, 3, here);
             krhpr_poses_done(friction_margins_room, friction_margins_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2824,33 +2617,28 @@ KRHPR_API int krhpr_planar_rp_b_passive_joints_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 6, here);
         krhpr_lanes theta_lanes[6];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 6, here);
         krhpr_lanes wrist_lanes[3];
         krhpr_lanes platform_joint_lanes[3];
         const int doubtful = krhpr_planar_rp_b_passive_joints_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, wrist_lanes, platform_joint_lanes, &answer);
         krhpr_stream_put(&wrist_stream, out[0] + k * out_step[0], out_step[0], wrist_lanes, 3, here);
         krhpr_stream_put(&platform_joint_stream, out[1] + k * out_step[1], out_step[1], platform_joint_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&wrist_stream);
     krhpr_stream_close(&platform_joint_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rp_b_passive_joints(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2866,8 +2654,6 @@ KRHPR_API int krhpr_planar_rp_b_passive_joints_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2889,9 +2675,7 @@ KRHPR_API int krhpr_planar_rp_b_passive_joints_soa(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, wrist_lanes, platform_joint_lanes, &answer);
             krhpr_poses_done(wrist_room, wrist_at, row, 3, here);
             krhpr_poses_done(platform_joint_room, platform_joint_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2951,33 +2735,28 @@ KRHPR_API int krhpr_planar_rp_b_link_points_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 6, here);
         krhpr_lanes theta_lanes[6];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 6, here);
         krhpr_lanes points_lanes[18];
         krhpr_lanes attachment_lanes[6];
         const int doubtful = krhpr_planar_rp_b_link_points_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
         krhpr_stream_put(&points_stream, out[0] + k * out_step[0], out_step[0], points_lanes, 18, here);
         krhpr_stream_put(&attachment_stream, out[1] + k * out_step[1], out_step[1], attachment_lanes, 6, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&points_stream);
     krhpr_stream_close(&attachment_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rp_b_link_points(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2993,8 +2772,6 @@ KRHPR_API int krhpr_planar_rp_b_link_points_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -3016,9 +2793,7 @@ KRHPR_API int krhpr_planar_rp_b_link_points_soa(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
             krhpr_poses_done(points_room, points_at, row, 18, here);
             krhpr_poses_done(attachment_room, attachment_at, row, 6, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -3091,13 +2866,13 @@ KRHPR_API int krhpr_planar_rp_b_singularity_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 6, here);
         krhpr_lanes theta_lanes[6];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 6, here);
         krhpr_lanes type_1_lanes[3];
         krhpr_lanes factors_lanes[3];
         krhpr_lanes type_2_lanes[1];
@@ -3109,23 +2884,18 @@ KRHPR_API int krhpr_planar_rp_b_singularity_batch(
         krhpr_stream_put(&factors_stream, out[1] + k * out_step[1], out_step[1], factors_lanes, 3, here);
         krhpr_stream_put(&type_2_stream, out[2] + k * out_step[2], out_step[2], type_2_lanes, 1, here);
         krhpr_stream_put(&margins_stream, out[3] + k * out_step[3], out_step[3], margins_lanes, 1, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&type_1_stream);
     krhpr_stream_close(&factors_stream);
     krhpr_stream_close(&type_2_stream);
     krhpr_stream_close(&margins_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rp_b_singularity(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3141,8 +2911,6 @@ KRHPR_API int krhpr_planar_rp_b_singularity_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -3173,9 +2941,7 @@ KRHPR_API int krhpr_planar_rp_b_singularity_soa(
             krhpr_poses_done(factors_room, factors_at, row, 3, here);
             krhpr_poses_done(type_2_room, type_2_at, row, 1, here);
             krhpr_poses_done(margins_room, margins_at, row, 1, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -3224,26 +2990,21 @@ KRHPR_API int krhpr_planar_rp_b_type_2_of_redundant_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes redundant_lanes[3];
-        krhpr_poses_load(redundant_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(redundant_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes type_2_lanes[1];
         krhpr_lanes margins_lanes[1];
         const int doubtful = krhpr_planar_rp_b_type_2_of_redundant_lanes(
             g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
         krhpr_stream_put(&type_2_stream, out[0] + k * out_step[0], out_step[0], type_2_lanes, 1, here);
         krhpr_stream_put(&margins_stream, out[1] + k * out_step[1], out_step[1], margins_lanes, 1, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&type_2_stream);
     krhpr_stream_close(&margins_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rp_b_type_2_of_redundant(
             g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3259,8 +3020,6 @@ KRHPR_API int krhpr_planar_rp_b_type_2_of_redundant_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -3276,9 +3035,7 @@ KRHPR_API int krhpr_planar_rp_b_type_2_of_redundant_soa(
                 g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
             krhpr_poses_done(type_2_room, type_2_at, row, 1, here);
             krhpr_poses_done(margins_room, margins_at, row, 1, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -3381,15 +3138,15 @@ KRHPR_API int krhpr_planar_rp_b_indices_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 6, here);
         krhpr_lanes theta_lanes[6];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 6, here);
         krhpr_lanes characteristic_length_lanes[1];
-        krhpr_poses_load(characteristic_length_lanes, in[4] + k * in_step[4], in_step[4], 1, here);
+        krhpr_poses_load(characteristic_length_lanes, in[4], k * in_step[4], in_step[4], 1, here);
         krhpr_lanes eta_1_lanes[1];
         krhpr_lanes eta_2_lanes[1];
         krhpr_lanes eta_3_lanes[1];
@@ -3401,23 +3158,18 @@ KRHPR_API int krhpr_planar_rp_b_indices_batch(
         krhpr_stream_put(&eta_2_stream, out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
         krhpr_stream_put(&eta_3_stream, out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
         krhpr_stream_put(&condition_stream, out[3] + k * out_step[3], out_step[3], condition_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&eta_1_stream);
     krhpr_stream_close(&eta_2_stream);
     krhpr_stream_close(&eta_3_stream);
     krhpr_stream_close(&condition_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rp_b_indices(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             in[3] + k * in_step[3], *(in[4] + k * in_step[4]), out[0] + k * out_step[0],
             out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3433,8 +3185,6 @@ KRHPR_API int krhpr_planar_rp_b_indices_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -3467,9 +3217,7 @@ KRHPR_API int krhpr_planar_rp_b_indices_soa(
             krhpr_poses_done(eta_2_room, eta_2_at, row, 1, here);
             krhpr_poses_done(eta_3_room, eta_3_at, row, 1, here);
             krhpr_poses_done(condition_room, condition_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -3569,15 +3317,15 @@ KRHPR_API int krhpr_planar_rp_b_index_bounds_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 6, here);
         krhpr_lanes theta_lanes[6];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 6, here);
         krhpr_lanes characteristic_length_lanes[1];
-        krhpr_poses_load(characteristic_length_lanes, in[4] + k * in_step[4], in_step[4], 1, here);
+        krhpr_poses_load(characteristic_length_lanes, in[4], k * in_step[4], in_step[4], 1, here);
         krhpr_lanes eta_1_lanes[1];
         krhpr_lanes eta_2_lanes[1];
         krhpr_lanes eta_3_lanes[1];
@@ -3587,22 +3335,17 @@ KRHPR_API int krhpr_planar_rp_b_index_bounds_batch(
         krhpr_stream_put(&eta_1_stream, out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
         krhpr_stream_put(&eta_2_stream, out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
         krhpr_stream_put(&eta_3_stream, out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&eta_1_stream);
     krhpr_stream_close(&eta_2_stream);
     krhpr_stream_close(&eta_3_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rp_b_index_bounds(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             in[3] + k * in_step[3], *(in[4] + k * in_step[4]), out[0] + k * out_step[0],
             out[1] + k * out_step[1], out[2] + k * out_step[2]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3618,8 +3361,6 @@ KRHPR_API int krhpr_planar_rp_b_index_bounds_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -3648,9 +3389,7 @@ KRHPR_API int krhpr_planar_rp_b_index_bounds_soa(
             krhpr_poses_done(eta_1_room, eta_1_at, row, 1, here);
             krhpr_poses_done(eta_2_room, eta_2_at, row, 1, here);
             krhpr_poses_done(eta_3_room, eta_3_at, row, 1, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -3727,7 +3466,7 @@ KRHPR_API int krhpr_planar_rp_b_forward_all_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 6, here);
         krhpr_lanes p_lanes[4];
         krhpr_lanes phi_lanes[2];
         krhpr_lanes redundant_lanes[6];
@@ -3740,23 +3479,18 @@ KRHPR_API int krhpr_planar_rp_b_forward_all_batch(
         krhpr_stream_put(&redundant_stream, out[2] + k * out_step[2], out_step[2], redundant_lanes, 6, here);
         krhpr_stream_put(&det_J_stream, out[3] + k * out_step[3], out_step[3], det_J_lanes, 2, here);
         krhpr_stream_put(&count_stream, out[4] + k * out_step[4], out_step[4], count_lanes, 1, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&p_stream);
     krhpr_stream_close(&phi_stream);
     krhpr_stream_close(&redundant_stream);
     krhpr_stream_close(&det_J_stream);
     krhpr_stream_close(&count_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rp_b_forward_all(
             g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2], out[3] + k * out_step[3], out[4] + k * out_step[4]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3772,8 +3506,6 @@ KRHPR_API int krhpr_planar_rp_b_forward_all_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -3801,9 +3533,7 @@ KRHPR_API int krhpr_planar_rp_b_forward_all_soa(
             krhpr_poses_done(redundant_room, redundant_at, row, 6, here);
             krhpr_poses_done(det_J_room, det_J_at, row, 2, here);
             krhpr_poses_done(count_room, count_at, row, 1, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -3894,9 +3624,9 @@ KRHPR_API int krhpr_planar_rp_b_forward_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[6];
-        krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
+        krhpr_poses_load(theta_lanes, in[0], k * in_step[0], in_step[0], 6, here);
         krhpr_lanes side_lanes[1];
-        krhpr_poses_load(side_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(side_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes p_lanes[2];
         krhpr_lanes phi_lanes[1];
         krhpr_lanes redundant_lanes[3];
@@ -3910,24 +3640,19 @@ KRHPR_API int krhpr_planar_rp_b_forward_batch(
         krhpr_stream_put(&redundant_stream, out[2] + k * out_step[2], out_step[2], redundant_lanes, 3, here);
         krhpr_stream_put(&count_stream, out[3] + k * out_step[3], out_step[3], count_lanes, 1, here);
         krhpr_stream_put(&certified_stream, out[4] + k * out_step[4], out_step[4], certified_lanes, 1, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&p_stream);
     krhpr_stream_close(&phi_stream);
     krhpr_stream_close(&redundant_stream);
     krhpr_stream_close(&count_stream);
     krhpr_stream_close(&certified_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rp_b_forward(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), out[0] + k * out_step[0],
             out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3],
             out[4] + k * out_step[4]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3943,8 +3668,6 @@ KRHPR_API int krhpr_planar_rp_b_forward_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -3975,9 +3698,7 @@ KRHPR_API int krhpr_planar_rp_b_forward_soa(
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
             krhpr_poses_done(count_room, count_at, row, 1, here);
             krhpr_poses_done(certified_room, certified_at, row, 1, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -3989,15 +3710,12 @@ KRHPR_API int krhpr_planar_rp_b_passive_joints_of_theta_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rp_b_passive_joints_of_theta(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), out[0] + k * out_step[0],
             out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3],
             out[4] + k * out_step[4]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -4013,8 +3731,6 @@ KRHPR_API int krhpr_planar_rp_b_passive_joints_of_theta_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; ++k) {
             double theta_pose[6];
             double side_pose[1];
@@ -4023,8 +3739,8 @@ KRHPR_API int krhpr_planar_rp_b_passive_joints_of_theta_soa(
             double p_pose[2];
             double phi_pose[1];
             double redundant_pose[3];
-            krhpr_pose_load(theta_pose, in[0] + b * in_step[0] + k, row, 6);
-            krhpr_pose_load(side_pose, in[1] + b * in_step[1] + k, row, 1);
+            krhpr_pose_load(theta_pose, in[0], b * in_step[0] + k, row, 6);
+            krhpr_pose_load(side_pose, in[1], b * in_step[1] + k, row, 1);
             const int here = krhpr_planar_rp_b_passive_joints_of_theta(
                 g, theta_pose, side_pose[0], wrist_pose, platform_joint_pose, p_pose, phi_pose,
                 redundant_pose);
@@ -4033,10 +3749,7 @@ KRHPR_API int krhpr_planar_rp_b_passive_joints_of_theta_soa(
             krhpr_pose_store(out[2] + b * out_step[2] + k, row, p_pose, 2);
             krhpr_pose_store(out[3] + b * out_step[3] + k, row, phi_pose, 1);
             krhpr_pose_store(out[4] + b * out_step[4] + k, row, redundant_pose, 3);
-            first = first == KRHPR_OK ? here : first;
-            if (answers != NULL) {
-                answers[k] = here;
-            }
+            first = krhpr_pose_report(here, first, status, b * row + k);
         }
     }
     return first;
@@ -4115,11 +3828,11 @@ KRHPR_API int krhpr_planar_rp_b_forward_encoders_2_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 6, here);
         krhpr_lanes measured_lanes[2];
-        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
+        krhpr_poses_load(measured_lanes, in[1], k * in_step[1], in_step[1], 2, here);
         krhpr_lanes tolerance_lanes[1];
-        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_poses_load(tolerance_lanes, in[2], k * in_step[2], in_step[2], 1, here);
         krhpr_lanes p_lanes[2];
         krhpr_lanes phi_lanes[1];
         krhpr_lanes raw_lanes[4];
@@ -4131,23 +3844,18 @@ KRHPR_API int krhpr_planar_rp_b_forward_encoders_2_batch(
         krhpr_stream_put(&phi_stream, out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
         krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
         krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&p_stream);
     krhpr_stream_close(&phi_stream);
     krhpr_stream_close(&raw_stream);
     krhpr_stream_close(&mismatch_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rp_b_forward_encoders_2(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
             out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
             out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -4163,8 +3871,6 @@ KRHPR_API int krhpr_planar_rp_b_forward_encoders_2_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -4193,9 +3899,7 @@ KRHPR_API int krhpr_planar_rp_b_forward_encoders_2_soa(
             krhpr_poses_done(phi_room, phi_at, row, 1, here);
             krhpr_poses_done(raw_room, raw_at, row, 4, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 1, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -4274,11 +3978,11 @@ KRHPR_API int krhpr_planar_rp_b_forward_encoders_3_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 6, here);
         krhpr_lanes measured_lanes[3];
-        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 3, here);
+        krhpr_poses_load(measured_lanes, in[1], k * in_step[1], in_step[1], 3, here);
         krhpr_lanes tolerance_lanes[1];
-        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_poses_load(tolerance_lanes, in[2], k * in_step[2], in_step[2], 1, here);
         krhpr_lanes p_lanes[2];
         krhpr_lanes phi_lanes[1];
         krhpr_lanes raw_lanes[4];
@@ -4290,23 +3994,18 @@ KRHPR_API int krhpr_planar_rp_b_forward_encoders_3_batch(
         krhpr_stream_put(&phi_stream, out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
         krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
         krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&p_stream);
     krhpr_stream_close(&phi_stream);
     krhpr_stream_close(&raw_stream);
     krhpr_stream_close(&mismatch_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rp_b_forward_encoders_3(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
             out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
             out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -4322,8 +4021,6 @@ KRHPR_API int krhpr_planar_rp_b_forward_encoders_3_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -4352,9 +4049,7 @@ KRHPR_API int krhpr_planar_rp_b_forward_encoders_3_soa(
             krhpr_poses_done(phi_room, phi_at, row, 1, here);
             krhpr_poses_done(raw_room, raw_at, row, 4, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -4459,13 +4154,13 @@ KRHPR_API int krhpr_planar_rp_b_forward_gauss_newton_2_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 6, here);
         krhpr_lanes measured_lanes[2];
-        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
+        krhpr_poses_load(measured_lanes, in[1], k * in_step[1], in_step[1], 2, here);
         krhpr_lanes tolerance_lanes[1];
-        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_poses_load(tolerance_lanes, in[2], k * in_step[2], in_step[2], 1, here);
         krhpr_lanes weights_lanes[3];
-        krhpr_poses_load(weights_lanes, in[3] + k * in_step[3], in_step[3], 3, here);
+        krhpr_poses_load(weights_lanes, in[3], k * in_step[3], in_step[3], 3, here);
         krhpr_lanes p_lanes[2];
         krhpr_lanes phi_lanes[1];
         krhpr_lanes raw_lanes[4];
@@ -4477,23 +4172,18 @@ KRHPR_API int krhpr_planar_rp_b_forward_gauss_newton_2_batch(
         krhpr_stream_put(&phi_stream, out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
         krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
         krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&p_stream);
     krhpr_stream_close(&phi_stream);
     krhpr_stream_close(&raw_stream);
     krhpr_stream_close(&mismatch_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rp_b_forward_gauss_newton_2(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -4509,8 +4199,6 @@ KRHPR_API int krhpr_planar_rp_b_forward_gauss_newton_2_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -4541,9 +4229,7 @@ KRHPR_API int krhpr_planar_rp_b_forward_gauss_newton_2_soa(
             krhpr_poses_done(phi_room, phi_at, row, 1, here);
             krhpr_poses_done(raw_room, raw_at, row, 4, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 1, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -4647,13 +4333,13 @@ KRHPR_API int krhpr_planar_rp_b_forward_gauss_newton_3_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 6, here);
         krhpr_lanes measured_lanes[3];
-        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 3, here);
+        krhpr_poses_load(measured_lanes, in[1], k * in_step[1], in_step[1], 3, here);
         krhpr_lanes tolerance_lanes[1];
-        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_poses_load(tolerance_lanes, in[2], k * in_step[2], in_step[2], 1, here);
         krhpr_lanes weights_lanes[3];
-        krhpr_poses_load(weights_lanes, in[3] + k * in_step[3], in_step[3], 3, here);
+        krhpr_poses_load(weights_lanes, in[3], k * in_step[3], in_step[3], 3, here);
         krhpr_lanes p_lanes[2];
         krhpr_lanes phi_lanes[1];
         krhpr_lanes raw_lanes[4];
@@ -4665,23 +4351,18 @@ KRHPR_API int krhpr_planar_rp_b_forward_gauss_newton_3_batch(
         krhpr_stream_put(&phi_stream, out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
         krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
         krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&p_stream);
     krhpr_stream_close(&phi_stream);
     krhpr_stream_close(&raw_stream);
     krhpr_stream_close(&mismatch_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rp_b_forward_gauss_newton_3(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -4697,8 +4378,6 @@ KRHPR_API int krhpr_planar_rp_b_forward_gauss_newton_3_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -4729,9 +4408,7 @@ KRHPR_API int krhpr_planar_rp_b_forward_gauss_newton_3_soa(
             krhpr_poses_done(phi_room, phi_at, row, 1, here);
             krhpr_poses_done(raw_room, raw_at, row, 4, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;

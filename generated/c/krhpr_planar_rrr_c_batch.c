@@ -55,28 +55,23 @@ KRHPR_API int krhpr_planar_rrr_c_end_points_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes redundant_lanes[3];
-        krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
+        krhpr_poses_load(redundant_lanes, in[2], k * in_step[2], in_step[2], 3, here);
         krhpr_lanes s_lanes[6];
         const int doubtful = krhpr_planar_rrr_c_end_points_lanes(
             g, p_lanes, phi_lanes, redundant_lanes, s_lanes, &answer);
         krhpr_stream_put(&s_stream, out[0] + k * out_step[0], out_step[0], s_lanes, 6, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&s_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_end_points(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -92,8 +87,6 @@ KRHPR_API int krhpr_planar_rrr_c_end_points_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -109,9 +102,7 @@ KRHPR_API int krhpr_planar_rrr_c_end_points_soa(
             const int doubtful = krhpr_planar_rrr_c_end_points_lanes(
                 g, p_lanes, phi_lanes, redundant_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 6, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -159,28 +150,23 @@ KRHPR_API int krhpr_planar_rrr_c_redundant_coordinates_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 6, here);
         krhpr_lanes redundant_lanes[3];
         const int doubtful = krhpr_planar_rrr_c_redundant_coordinates_lanes(
             g, p_lanes, phi_lanes, s_lanes, redundant_lanes, &answer);
         krhpr_stream_put(&redundant_stream, out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&redundant_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_redundant_coordinates(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -196,8 +182,6 @@ KRHPR_API int krhpr_planar_rrr_c_redundant_coordinates_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -213,9 +197,7 @@ KRHPR_API int krhpr_planar_rrr_c_redundant_coordinates_soa(
             const int doubtful = krhpr_planar_rrr_c_redundant_coordinates_lanes(
                 g, p_lanes, phi_lanes, s_lanes, redundant_lanes, &answer);
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -263,21 +245,16 @@ KRHPR_API int krhpr_planar_rrr_c_subleg_forward_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(theta_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes s_lanes[6];
         const int doubtful = krhpr_planar_rrr_c_subleg_forward_lanes(g, theta_lanes, s_lanes, &answer);
         krhpr_stream_put(&s_stream, out[0] + k * out_step[0], out_step[0], s_lanes, 6, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&s_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_subleg_forward(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -293,8 +270,6 @@ KRHPR_API int krhpr_planar_rrr_c_subleg_forward_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -305,9 +280,7 @@ KRHPR_API int krhpr_planar_rrr_c_subleg_forward_soa(
             krhpr_lanes_at *const s_lanes = krhpr_poses_out(s_room, s_at, row, here);
             const int doubtful = krhpr_planar_rrr_c_subleg_forward_lanes(g, theta_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 6, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -374,7 +347,7 @@ KRHPR_API int krhpr_planar_rrr_c_subleg_inverse_batch(
     const ptrdiff_t together = krhpr_poses_together(count);
     krhpr_lanes swivel_lanes[3];
     if (in[1] == NULL) {
-        krhpr_poses_load(swivel_lanes, swivel_default, 0, 3, KRHPR_LANES);
+        krhpr_poses_load(swivel_lanes, swivel_default, 0, 0, 3, KRHPR_LANES);
     }
     krhpr_lanes theta_room[KRHPR_ROOM(18)];
     krhpr_stream theta_stream = krhpr_stream_open(theta_room, out[0], out_step[0], 18, count);
@@ -382,26 +355,19 @@ KRHPR_API int krhpr_planar_rrr_c_subleg_inverse_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
-        if (in[1] != NULL) {
-            krhpr_poses_load(swivel_lanes, in[1] + k * in_step[1], in_step[1], 3, here);
-        }
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 6, here);
+        krhpr_poses_load(swivel_lanes, in[1], k * in_step[1], in_step[1], 3, here);
         krhpr_lanes theta_lanes[18];
         const int doubtful = krhpr_planar_rrr_c_subleg_inverse_lanes(
             g, s_lanes, swivel_lanes, theta_lanes, &answer);
         krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 18, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&theta_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_subleg_inverse(
             g, in[0] + k * in_step[0], in[1] ? in[1] + k * in_step[1] : NULL, out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -413,7 +379,7 @@ KRHPR_API int krhpr_planar_rrr_c_subleg_inverse_soa(
 {
     krhpr_lanes swivel_room[3];
     if (in[1] == NULL) {
-        krhpr_poses_load(swivel_room, swivel_default, 0, 3, KRHPR_LANES);
+        krhpr_poses_load(swivel_room, swivel_default, 0, 0, 3, KRHPR_LANES);
     }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
@@ -421,26 +387,19 @@ KRHPR_API int krhpr_planar_rrr_c_subleg_inverse_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes s_room[6];
             const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 6, here);
-            const krhpr_lanes_at *swivel_lanes = swivel_room;
-            if (in[1] != NULL) {
-                swivel_lanes = krhpr_poses_in(swivel_room, in[1] + b * in_step[1] + k, row, 3, here);
-            }
+            const krhpr_lanes_at *const swivel_lanes = krhpr_poses_given(swivel_room, in[1], b * in_step[1] + k, row, 3, here);
             krhpr_lanes theta_room[18];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
             const int doubtful = krhpr_planar_rrr_c_subleg_inverse_lanes(
                 g, s_lanes, swivel_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 18, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -500,24 +459,19 @@ KRHPR_API int krhpr_planar_rrr_c_swivel_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 6, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(theta_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes swivel_lanes[3];
         const int doubtful = krhpr_planar_rrr_c_swivel_lanes(g, s_lanes, theta_lanes, swivel_lanes, &answer);
         krhpr_stream_put(&swivel_stream, out[0] + k * out_step[0], out_step[0], swivel_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&swivel_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_swivel(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -533,8 +487,6 @@ KRHPR_API int krhpr_planar_rrr_c_swivel_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -548,9 +500,7 @@ KRHPR_API int krhpr_planar_rrr_c_swivel_soa(
             const int doubtful = krhpr_planar_rrr_c_swivel_lanes(
                 g, s_lanes, theta_lanes, swivel_lanes, &answer);
             krhpr_poses_done(swivel_room, swivel_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -603,25 +553,20 @@ KRHPR_API int krhpr_planar_rrr_c_subleg_jacobian_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 6, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(theta_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes M_lanes[18];
         const int doubtful = krhpr_planar_rrr_c_subleg_jacobian_lanes(
             g, s_lanes, theta_lanes, M_lanes, &answer);
         krhpr_stream_put(&M_stream, out[0] + k * out_step[0], out_step[0], M_lanes, 18, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&M_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_subleg_jacobian(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -637,8 +582,6 @@ KRHPR_API int krhpr_planar_rrr_c_subleg_jacobian_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -652,9 +595,7 @@ KRHPR_API int krhpr_planar_rrr_c_subleg_jacobian_soa(
             const int doubtful = krhpr_planar_rrr_c_subleg_jacobian_lanes(
                 g, s_lanes, theta_lanes, M_lanes, &answer);
             krhpr_poses_done(M_room, M_at, row, 18, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -702,28 +643,23 @@ KRHPR_API int krhpr_planar_rrr_c_constraints_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 6, here);
         krhpr_lanes residual_lanes[3];
         const int doubtful = krhpr_planar_rrr_c_constraints_lanes(
             g, p_lanes, phi_lanes, s_lanes, residual_lanes, &answer);
         krhpr_stream_put(&residual_stream, out[0] + k * out_step[0], out_step[0], residual_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&residual_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_constraints(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -739,8 +675,6 @@ KRHPR_API int krhpr_planar_rrr_c_constraints_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -756,9 +690,7 @@ KRHPR_API int krhpr_planar_rrr_c_constraints_soa(
             const int doubtful = krhpr_planar_rrr_c_constraints_lanes(
                 g, p_lanes, phi_lanes, s_lanes, residual_lanes, &answer);
             krhpr_poses_done(residual_room, residual_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -827,33 +759,28 @@ KRHPR_API int krhpr_planar_rrr_c_jacobians_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 6, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes J_lanes[9];
         krhpr_lanes K_lanes[27];
         const int doubtful = krhpr_planar_rrr_c_jacobians_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 9, here);
         krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 27, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&J_stream);
     krhpr_stream_close(&K_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_jacobians(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -869,8 +796,6 @@ KRHPR_API int krhpr_planar_rrr_c_jacobians_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -892,9 +817,7 @@ KRHPR_API int krhpr_planar_rrr_c_jacobians_soa(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 9, here);
             krhpr_poses_done(K_room, K_at, row, 27, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -956,33 +879,28 @@ KRHPR_API int krhpr_planar_rrr_c_jacobian_blocks_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 6, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes J_lanes[9];
         krhpr_lanes K_lanes[9];
         const int doubtful = krhpr_planar_rrr_c_jacobian_blocks_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 9, here);
         krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 9, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&J_stream);
     krhpr_stream_close(&K_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_jacobian_blocks(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -998,8 +916,6 @@ KRHPR_API int krhpr_planar_rrr_c_jacobian_blocks_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1021,9 +937,7 @@ KRHPR_API int krhpr_planar_rrr_c_jacobian_blocks_soa(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 9, here);
             krhpr_poses_done(K_room, K_at, row, 9, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1100,33 +1014,28 @@ KRHPR_API int krhpr_planar_rrr_c_jacobians_n_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 6, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes J_lanes[81];
         krhpr_lanes K_lanes[81];
         const int doubtful = krhpr_planar_rrr_c_jacobians_n_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 81, here);
         krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 81, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&J_stream);
     krhpr_stream_close(&K_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_jacobians_n(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1142,8 +1051,6 @@ KRHPR_API int krhpr_planar_rrr_c_jacobians_n_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1165,9 +1072,7 @@ KRHPR_API int krhpr_planar_rrr_c_jacobians_n_soa(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 81, here);
             krhpr_poses_done(K_room, K_at, row, 81, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1237,11 +1142,11 @@ KRHPR_API int krhpr_planar_rrr_c_inverse_batch(
     const ptrdiff_t together = krhpr_poses_together(count);
     krhpr_lanes mode_lanes[3];
     if (in[3] == NULL) {
-        krhpr_poses_load(mode_lanes, mode_default, 0, 3, KRHPR_LANES);
+        krhpr_poses_load(mode_lanes, mode_default, 0, 0, 3, KRHPR_LANES);
     }
     krhpr_lanes swivel_lanes[3];
     if (in[4] == NULL) {
-        krhpr_poses_load(swivel_lanes, swivel_default, 0, 3, KRHPR_LANES);
+        krhpr_poses_load(swivel_lanes, swivel_default, 0, 0, 3, KRHPR_LANES);
     }
     krhpr_lanes theta_room[KRHPR_ROOM(9)];
     krhpr_stream theta_stream = krhpr_stream_open(theta_room, out[0], out_step[0], 9, count);
@@ -1249,35 +1154,26 @@ KRHPR_API int krhpr_planar_rrr_c_inverse_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes redundant_lanes[3];
-        krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
-        if (in[3] != NULL) {
-            krhpr_poses_load(mode_lanes, in[3] + k * in_step[3], in_step[3], 3, here);
-        }
-        if (in[4] != NULL) {
-            krhpr_poses_load(swivel_lanes, in[4] + k * in_step[4], in_step[4], 3, here);
-        }
+        krhpr_poses_load(redundant_lanes, in[2], k * in_step[2], in_step[2], 3, here);
+        krhpr_poses_load(mode_lanes, in[3], k * in_step[3], in_step[3], 3, here);
+        krhpr_poses_load(swivel_lanes, in[4], k * in_step[4], in_step[4], 3, here);
         krhpr_lanes theta_lanes[9];
         const int doubtful = krhpr_planar_rrr_c_inverse_lanes(
             g, p_lanes, phi_lanes, redundant_lanes, mode_lanes, swivel_lanes, theta_lanes, &answer);
         krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 9, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&theta_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_inverse(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             in[3] ? in[3] + k * in_step[3] : NULL, in[4] ? in[4] + k * in_step[4] : NULL,
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1289,11 +1185,11 @@ KRHPR_API int krhpr_planar_rrr_c_inverse_soa(
 {
     krhpr_lanes mode_room[3];
     if (in[3] == NULL) {
-        krhpr_poses_load(mode_room, mode_default, 0, 3, KRHPR_LANES);
+        krhpr_poses_load(mode_room, mode_default, 0, 0, 3, KRHPR_LANES);
     }
     krhpr_lanes swivel_room[3];
     if (in[4] == NULL) {
-        krhpr_poses_load(swivel_room, swivel_default, 0, 3, KRHPR_LANES);
+        krhpr_poses_load(swivel_room, swivel_default, 0, 0, 3, KRHPR_LANES);
     }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
@@ -1301,8 +1197,6 @@ KRHPR_API int krhpr_planar_rrr_c_inverse_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1312,23 +1206,15 @@ KRHPR_API int krhpr_planar_rrr_c_inverse_soa(
             const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes redundant_room[3];
             const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
-            const krhpr_lanes_at *mode_lanes = mode_room;
-            if (in[3] != NULL) {
-                mode_lanes = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 3, here);
-            }
-            const krhpr_lanes_at *swivel_lanes = swivel_room;
-            if (in[4] != NULL) {
-                swivel_lanes = krhpr_poses_in(swivel_room, in[4] + b * in_step[4] + k, row, 3, here);
-            }
+            const krhpr_lanes_at *const mode_lanes = krhpr_poses_given(mode_room, in[3], b * in_step[3] + k, row, 3, here);
+            const krhpr_lanes_at *const swivel_lanes = krhpr_poses_given(swivel_room, in[4], b * in_step[4] + k, row, 3, here);
             krhpr_lanes theta_room[9];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
             const int doubtful = krhpr_planar_rrr_c_inverse_lanes(
                 g, p_lanes, phi_lanes, redundant_lanes, mode_lanes, swivel_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 9, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1401,7 +1287,7 @@ KRHPR_API int krhpr_planar_rrr_c_inverse_all_batch(
     const ptrdiff_t together = krhpr_poses_together(count);
     krhpr_lanes swivel_lanes[3];
     if (in[3] == NULL) {
-        krhpr_poses_load(swivel_lanes, swivel_default, 0, 3, KRHPR_LANES);
+        krhpr_poses_load(swivel_lanes, swivel_default, 0, 0, 3, KRHPR_LANES);
     }
     krhpr_lanes theta_room[KRHPR_ROOM(18)];
     krhpr_stream theta_stream = krhpr_stream_open(theta_room, out[0], out_step[0], 18, count);
@@ -1409,31 +1295,24 @@ KRHPR_API int krhpr_planar_rrr_c_inverse_all_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes redundant_lanes[3];
-        krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
-        if (in[3] != NULL) {
-            krhpr_poses_load(swivel_lanes, in[3] + k * in_step[3], in_step[3], 3, here);
-        }
+        krhpr_poses_load(redundant_lanes, in[2], k * in_step[2], in_step[2], 3, here);
+        krhpr_poses_load(swivel_lanes, in[3], k * in_step[3], in_step[3], 3, here);
         krhpr_lanes theta_lanes[18];
         const int doubtful = krhpr_planar_rrr_c_inverse_all_lanes(
             g, p_lanes, phi_lanes, redundant_lanes, swivel_lanes, theta_lanes, &answer);
         krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 18, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&theta_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_inverse_all(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             in[3] ? in[3] + k * in_step[3] : NULL, out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1445,7 +1324,7 @@ KRHPR_API int krhpr_planar_rrr_c_inverse_all_soa(
 {
     krhpr_lanes swivel_room[3];
     if (in[3] == NULL) {
-        krhpr_poses_load(swivel_room, swivel_default, 0, 3, KRHPR_LANES);
+        krhpr_poses_load(swivel_room, swivel_default, 0, 0, 3, KRHPR_LANES);
     }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
@@ -1453,8 +1332,6 @@ KRHPR_API int krhpr_planar_rrr_c_inverse_all_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1464,19 +1341,14 @@ KRHPR_API int krhpr_planar_rrr_c_inverse_all_soa(
             const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes redundant_room[3];
             const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
-            const krhpr_lanes_at *swivel_lanes = swivel_room;
-            if (in[3] != NULL) {
-                swivel_lanes = krhpr_poses_in(swivel_room, in[3] + b * in_step[3] + k, row, 3, here);
-            }
+            const krhpr_lanes_at *const swivel_lanes = krhpr_poses_given(swivel_room, in[3], b * in_step[3] + k, row, 3, here);
             krhpr_lanes theta_room[18];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
             const int doubtful = krhpr_planar_rrr_c_inverse_all_lanes(
                 g, p_lanes, phi_lanes, redundant_lanes, swivel_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 18, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1488,14 +1360,11 @@ KRHPR_API int krhpr_planar_rrr_c_inverse_near_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_inverse_near(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] ? in[4] + k * in_step[4] : NULL, out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1511,8 +1380,6 @@ KRHPR_API int krhpr_planar_rrr_c_inverse_near_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; ++k) {
             double p_pose[2];
             double phi_pose[1];
@@ -1520,21 +1387,16 @@ KRHPR_API int krhpr_planar_rrr_c_inverse_near_soa(
             double theta_near_pose[9];
             double swivel_pose[3];
             double theta_pose[9];
-            krhpr_pose_load(p_pose, in[0] + b * in_step[0] + k, row, 2);
-            krhpr_pose_load(phi_pose, in[1] + b * in_step[1] + k, row, 1);
-            krhpr_pose_load(redundant_pose, in[2] + b * in_step[2] + k, row, 3);
-            krhpr_pose_load(theta_near_pose, in[3] + b * in_step[3] + k, row, 9);
-            if (in[4] != NULL) {
-                krhpr_pose_load(swivel_pose, in[4] + b * in_step[4] + k, row, 3);
-            }
+            krhpr_pose_load(p_pose, in[0], b * in_step[0] + k, row, 2);
+            krhpr_pose_load(phi_pose, in[1], b * in_step[1] + k, row, 1);
+            krhpr_pose_load(redundant_pose, in[2], b * in_step[2] + k, row, 3);
+            krhpr_pose_load(theta_near_pose, in[3], b * in_step[3] + k, row, 9);
+            krhpr_pose_load(swivel_pose, in[4], b * in_step[4] + k, row, 3);
             const int here = krhpr_planar_rrr_c_inverse_near(
                 g, p_pose, phi_pose[0], redundant_pose, theta_near_pose, in[4] ? swivel_pose : NULL,
                 theta_pose);
             krhpr_pose_store(out[0] + b * out_step[0] + k, row, theta_pose, 9);
-            first = first == KRHPR_OK ? here : first;
-            if (answers != NULL) {
-                answers[k] = here;
-            }
+            first = krhpr_pose_report(here, first, status, b * row + k);
         }
     }
     return first;
@@ -1592,11 +1454,11 @@ KRHPR_API int krhpr_planar_rrr_c_inverse_status_batch(
     const ptrdiff_t together = krhpr_poses_together(count);
     krhpr_lanes mode_lanes[3];
     if (in[3] == NULL) {
-        krhpr_poses_load(mode_lanes, mode_default, 0, 3, KRHPR_LANES);
+        krhpr_poses_load(mode_lanes, mode_default, 0, 0, 3, KRHPR_LANES);
     }
     krhpr_lanes swivel_lanes[3];
     if (in[4] == NULL) {
-        krhpr_poses_load(swivel_lanes, swivel_default, 0, 3, KRHPR_LANES);
+        krhpr_poses_load(swivel_lanes, swivel_default, 0, 0, 3, KRHPR_LANES);
     }
     krhpr_lanes excess_room[KRHPR_ROOM(3)];
     krhpr_stream excess_stream = krhpr_stream_open(excess_room, out[0], out_step[0], 3, count);
@@ -1604,35 +1466,26 @@ KRHPR_API int krhpr_planar_rrr_c_inverse_status_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes redundant_lanes[3];
-        krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
-        if (in[3] != NULL) {
-            krhpr_poses_load(mode_lanes, in[3] + k * in_step[3], in_step[3], 3, here);
-        }
-        if (in[4] != NULL) {
-            krhpr_poses_load(swivel_lanes, in[4] + k * in_step[4], in_step[4], 3, here);
-        }
+        krhpr_poses_load(redundant_lanes, in[2], k * in_step[2], in_step[2], 3, here);
+        krhpr_poses_load(mode_lanes, in[3], k * in_step[3], in_step[3], 3, here);
+        krhpr_poses_load(swivel_lanes, in[4], k * in_step[4], in_step[4], 3, here);
         krhpr_lanes excess_lanes[3];
         const int doubtful = krhpr_planar_rrr_c_inverse_status_lanes(
             g, p_lanes, phi_lanes, redundant_lanes, mode_lanes, swivel_lanes, excess_lanes, &answer);
         krhpr_stream_put(&excess_stream, out[0] + k * out_step[0], out_step[0], excess_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&excess_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_inverse_status(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             in[3] ? in[3] + k * in_step[3] : NULL, in[4] ? in[4] + k * in_step[4] : NULL,
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1644,11 +1497,11 @@ KRHPR_API int krhpr_planar_rrr_c_inverse_status_soa(
 {
     krhpr_lanes mode_room[3];
     if (in[3] == NULL) {
-        krhpr_poses_load(mode_room, mode_default, 0, 3, KRHPR_LANES);
+        krhpr_poses_load(mode_room, mode_default, 0, 0, 3, KRHPR_LANES);
     }
     krhpr_lanes swivel_room[3];
     if (in[4] == NULL) {
-        krhpr_poses_load(swivel_room, swivel_default, 0, 3, KRHPR_LANES);
+        krhpr_poses_load(swivel_room, swivel_default, 0, 0, 3, KRHPR_LANES);
     }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
@@ -1656,8 +1509,6 @@ KRHPR_API int krhpr_planar_rrr_c_inverse_status_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1667,23 +1518,15 @@ KRHPR_API int krhpr_planar_rrr_c_inverse_status_soa(
             const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes redundant_room[3];
             const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
-            const krhpr_lanes_at *mode_lanes = mode_room;
-            if (in[3] != NULL) {
-                mode_lanes = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 3, here);
-            }
-            const krhpr_lanes_at *swivel_lanes = swivel_room;
-            if (in[4] != NULL) {
-                swivel_lanes = krhpr_poses_in(swivel_room, in[4] + b * in_step[4] + k, row, 3, here);
-            }
+            const krhpr_lanes_at *const mode_lanes = krhpr_poses_given(mode_room, in[3], b * in_step[3] + k, row, 3, here);
+            const krhpr_lanes_at *const swivel_lanes = krhpr_poses_given(swivel_room, in[4], b * in_step[4] + k, row, 3, here);
             krhpr_lanes excess_room[3];
             double *const excess_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const excess_lanes = krhpr_poses_out(excess_room, excess_at, row, here);
             const int doubtful = krhpr_planar_rrr_c_inverse_status_lanes(
                 g, p_lanes, phi_lanes, redundant_lanes, mode_lanes, swivel_lanes, excess_lanes, &answer);
             krhpr_poses_done(excess_room, excess_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1756,32 +1599,27 @@ KRHPR_API int krhpr_planar_rrr_c_twist_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 6, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes theta_dot_lanes[9];
-        krhpr_poses_load(theta_dot_lanes, in[4] + k * in_step[4], in_step[4], 9, here);
+        krhpr_poses_load(theta_dot_lanes, in[4], k * in_step[4], in_step[4], 9, here);
         krhpr_lanes twist_lanes[3];
         const int doubtful = krhpr_planar_rrr_c_twist_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
         krhpr_stream_put(&twist_stream, out[0] + k * out_step[0], out_step[0], twist_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&twist_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_twist(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1797,8 +1635,6 @@ KRHPR_API int krhpr_planar_rrr_c_twist_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1818,9 +1654,7 @@ KRHPR_API int krhpr_planar_rrr_c_twist_soa(
             const int doubtful = krhpr_planar_rrr_c_twist_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
             krhpr_poses_done(twist_room, twist_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1892,38 +1726,33 @@ KRHPR_API int krhpr_planar_rrr_c_joint_rates_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 6, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes twist_lanes[3];
-        krhpr_poses_load(twist_lanes, in[4] + k * in_step[4], in_step[4], 3, here);
+        krhpr_poses_load(twist_lanes, in[4], k * in_step[4], in_step[4], 3, here);
         krhpr_lanes redundant_rates_lanes[3];
-        krhpr_poses_load(redundant_rates_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
+        krhpr_poses_load(redundant_rates_lanes, in[5], k * in_step[5], in_step[5], 3, here);
         krhpr_lanes swivel_rates_lanes[3];
-        krhpr_poses_load(swivel_rates_lanes, in[6] + k * in_step[6], in_step[6], 3, here);
+        krhpr_poses_load(swivel_rates_lanes, in[6], k * in_step[6], in_step[6], 3, here);
         krhpr_lanes theta_dot_lanes[9];
         const int doubtful = krhpr_planar_rrr_c_joint_rates_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
             swivel_rates_lanes, theta_dot_lanes, &answer);
         krhpr_stream_put(&theta_dot_stream, out[0] + k * out_step[0], out_step[0], theta_dot_lanes, 9, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&theta_dot_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_joint_rates(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1939,8 +1768,6 @@ KRHPR_API int krhpr_planar_rrr_c_joint_rates_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1965,9 +1792,7 @@ KRHPR_API int krhpr_planar_rrr_c_joint_rates_soa(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
                 swivel_rates_lanes, theta_dot_lanes, &answer);
             krhpr_poses_done(theta_dot_room, theta_dot_at, row, 9, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2051,38 +1876,33 @@ KRHPR_API int krhpr_planar_rrr_c_platform_acceleration_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 6, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes twist_lanes[3];
-        krhpr_poses_load(twist_lanes, in[4] + k * in_step[4], in_step[4], 3, here);
+        krhpr_poses_load(twist_lanes, in[4], k * in_step[4], in_step[4], 3, here);
         krhpr_lanes theta_dot_lanes[9];
-        krhpr_poses_load(theta_dot_lanes, in[5] + k * in_step[5], in_step[5], 9, here);
+        krhpr_poses_load(theta_dot_lanes, in[5], k * in_step[5], in_step[5], 9, here);
         krhpr_lanes theta_ddot_lanes[9];
-        krhpr_poses_load(theta_ddot_lanes, in[6] + k * in_step[6], in_step[6], 9, here);
+        krhpr_poses_load(theta_ddot_lanes, in[6], k * in_step[6], in_step[6], 9, here);
         krhpr_lanes twist_rate_lanes[3];
         const int doubtful = krhpr_planar_rrr_c_platform_acceleration_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
             twist_rate_lanes, &answer);
         krhpr_stream_put(&twist_rate_stream, out[0] + k * out_step[0], out_step[0], twist_rate_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&twist_rate_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_platform_acceleration(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2098,8 +1918,6 @@ KRHPR_API int krhpr_planar_rrr_c_platform_acceleration_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2124,9 +1942,7 @@ KRHPR_API int krhpr_planar_rrr_c_platform_acceleration_soa(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
                 twist_rate_lanes, &answer);
             krhpr_poses_done(twist_rate_room, twist_rate_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2213,45 +2029,40 @@ KRHPR_API int krhpr_planar_rrr_c_joint_accelerations_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 6, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes twist_lanes[3];
-        krhpr_poses_load(twist_lanes, in[4] + k * in_step[4], in_step[4], 3, here);
+        krhpr_poses_load(twist_lanes, in[4], k * in_step[4], in_step[4], 3, here);
         krhpr_lanes redundant_rates_lanes[3];
-        krhpr_poses_load(redundant_rates_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
+        krhpr_poses_load(redundant_rates_lanes, in[5], k * in_step[5], in_step[5], 3, here);
         krhpr_lanes theta_dot_lanes[9];
-        krhpr_poses_load(theta_dot_lanes, in[6] + k * in_step[6], in_step[6], 9, here);
+        krhpr_poses_load(theta_dot_lanes, in[6], k * in_step[6], in_step[6], 9, here);
         krhpr_lanes twist_rate_lanes[3];
-        krhpr_poses_load(twist_rate_lanes, in[7] + k * in_step[7], in_step[7], 3, here);
+        krhpr_poses_load(twist_rate_lanes, in[7], k * in_step[7], in_step[7], 3, here);
         krhpr_lanes redundant_accelerations_lanes[3];
-        krhpr_poses_load(redundant_accelerations_lanes, in[8] + k * in_step[8], in_step[8], 3, here);
+        krhpr_poses_load(redundant_accelerations_lanes, in[8], k * in_step[8], in_step[8], 3, here);
         krhpr_lanes swivel_accelerations_lanes[3];
-        krhpr_poses_load(swivel_accelerations_lanes, in[9] + k * in_step[9], in_step[9], 3, here);
+        krhpr_poses_load(swivel_accelerations_lanes, in[9], k * in_step[9], in_step[9], 3, here);
         krhpr_lanes theta_ddot_lanes[9];
         const int doubtful = krhpr_planar_rrr_c_joint_accelerations_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
             theta_dot_lanes, twist_rate_lanes, redundant_accelerations_lanes, swivel_accelerations_lanes,
             theta_ddot_lanes, &answer);
         krhpr_stream_put(&theta_ddot_stream, out[0] + k * out_step[0], out_step[0], theta_ddot_lanes, 9, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&theta_ddot_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_joint_accelerations(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
             in[7] + k * in_step[7], in[8] + k * in_step[8], in[9] + k * in_step[9], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2267,8 +2078,6 @@ KRHPR_API int krhpr_planar_rrr_c_joint_accelerations_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2300,9 +2109,7 @@ KRHPR_API int krhpr_planar_rrr_c_joint_accelerations_soa(
                 theta_dot_lanes, twist_rate_lanes, redundant_accelerations_lanes,
                 swivel_accelerations_lanes, theta_ddot_lanes, &answer);
             krhpr_poses_done(theta_ddot_room, theta_ddot_at, row, 9, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2381,38 +2188,33 @@ KRHPR_API int krhpr_planar_rrr_c_inverse_statics_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 6, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes wrench_lanes[3];
-        krhpr_poses_load(wrench_lanes, in[4] + k * in_step[4], in_step[4], 3, here);
+        krhpr_poses_load(wrench_lanes, in[4], k * in_step[4], in_step[4], 3, here);
         krhpr_lanes redundant_forces_lanes[3];
-        krhpr_poses_load(redundant_forces_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
+        krhpr_poses_load(redundant_forces_lanes, in[5], k * in_step[5], in_step[5], 3, here);
         krhpr_lanes swivel_forces_lanes[3];
-        krhpr_poses_load(swivel_forces_lanes, in[6] + k * in_step[6], in_step[6], 3, here);
+        krhpr_poses_load(swivel_forces_lanes, in[6], k * in_step[6], in_step[6], 3, here);
         krhpr_lanes actuator_forces_lanes[9];
         const int doubtful = krhpr_planar_rrr_c_inverse_statics_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, wrench_lanes, redundant_forces_lanes,
             swivel_forces_lanes, actuator_forces_lanes, &answer);
         krhpr_stream_put(&actuator_forces_stream, out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 9, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&actuator_forces_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_inverse_statics(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2428,8 +2230,6 @@ KRHPR_API int krhpr_planar_rrr_c_inverse_statics_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2454,9 +2254,7 @@ KRHPR_API int krhpr_planar_rrr_c_inverse_statics_soa(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, wrench_lanes, redundant_forces_lanes,
                 swivel_forces_lanes, actuator_forces_lanes, &answer);
             krhpr_poses_done(actuator_forces_room, actuator_forces_at, row, 9, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2540,15 +2338,15 @@ KRHPR_API int krhpr_planar_rrr_c_forward_statics_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 6, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes actuator_forces_lanes[9];
-        krhpr_poses_load(actuator_forces_lanes, in[4] + k * in_step[4], in_step[4], 9, here);
+        krhpr_poses_load(actuator_forces_lanes, in[4], k * in_step[4], in_step[4], 9, here);
         krhpr_lanes wrench_lanes[3];
         krhpr_lanes redundant_forces_lanes[3];
         krhpr_lanes swivel_forces_lanes[3];
@@ -2558,22 +2356,17 @@ KRHPR_API int krhpr_planar_rrr_c_forward_statics_batch(
         krhpr_stream_put(&wrench_stream, out[0] + k * out_step[0], out_step[0], wrench_lanes, 3, here);
         krhpr_stream_put(&redundant_forces_stream, out[1] + k * out_step[1], out_step[1], redundant_forces_lanes, 3, here);
         krhpr_stream_put(&swivel_forces_stream, out[2] + k * out_step[2], out_step[2], swivel_forces_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&wrench_stream);
     krhpr_stream_close(&redundant_forces_stream);
     krhpr_stream_close(&swivel_forces_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_forward_statics(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], out[0] + k * out_step[0],
             out[1] + k * out_step[1], out[2] + k * out_step[2]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2589,8 +2382,6 @@ KRHPR_API int krhpr_planar_rrr_c_forward_statics_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2619,9 +2410,7 @@ KRHPR_API int krhpr_planar_rrr_c_forward_statics_soa(
             krhpr_poses_done(wrench_room, wrench_at, row, 3, here);
             krhpr_poses_done(redundant_forces_room, redundant_forces_at, row, 3, here);
             krhpr_poses_done(swivel_forces_room, swivel_forces_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2680,9 +2469,9 @@ KRHPR_API int krhpr_planar_rrr_c_opening_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes redundant_lanes[3];
-        krhpr_poses_load(redundant_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(redundant_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes jaws_lanes[3];
-        krhpr_poses_load(jaws_lanes, in[1] + k * in_step[1], in_step[1], 3, here);
+        krhpr_poses_load(jaws_lanes, in[1], k * in_step[1], in_step[1], 3, here);
         krhpr_lanes opening_lanes[1];
         krhpr_lanes centre_lanes[2];
         krhpr_lanes shares_lanes[3];
@@ -2691,21 +2480,16 @@ KRHPR_API int krhpr_planar_rrr_c_opening_batch(
         krhpr_stream_put(&opening_stream, out[0] + k * out_step[0], out_step[0], opening_lanes, 1, here);
         krhpr_stream_put(&centre_stream, out[1] + k * out_step[1], out_step[1], centre_lanes, 2, here);
         krhpr_stream_put(&shares_stream, out[2] + k * out_step[2], out_step[2], shares_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&opening_stream);
     krhpr_stream_close(&centre_stream);
     krhpr_stream_close(&shares_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_opening(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0],
             out[1] + k * out_step[1], out[2] + k * out_step[2]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2721,8 +2505,6 @@ KRHPR_API int krhpr_planar_rrr_c_opening_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2744,9 +2526,7 @@ KRHPR_API int krhpr_planar_rrr_c_opening_soa(
             krhpr_poses_done(opening_room, opening_at, row, 1, here);
             krhpr_poses_done(centre_room, centre_at, row, 2, here);
             krhpr_poses_done(shares_room, shares_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2788,28 +2568,23 @@ KRHPR_API int krhpr_planar_rrr_c_redundant_of_opening_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes opening_lanes[1];
-        krhpr_poses_load(opening_lanes, in[0] + k * in_step[0], in_step[0], 1, here);
+        krhpr_poses_load(opening_lanes, in[0], k * in_step[0], in_step[0], 1, here);
         krhpr_lanes centre_lanes[2];
-        krhpr_poses_load(centre_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
+        krhpr_poses_load(centre_lanes, in[1], k * in_step[1], in_step[1], 2, here);
         krhpr_lanes jaws_lanes[3];
-        krhpr_poses_load(jaws_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
+        krhpr_poses_load(jaws_lanes, in[2], k * in_step[2], in_step[2], 3, here);
         krhpr_lanes redundant_lanes[3];
         const int doubtful = krhpr_planar_rrr_c_redundant_of_opening_lanes(
             g, opening_lanes, centre_lanes, jaws_lanes, redundant_lanes, &answer);
         krhpr_stream_put(&redundant_stream, out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&redundant_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_redundant_of_opening(
             g, *(in[0] + k * in_step[0]), in[1] + k * in_step[1], in[2] + k * in_step[2],
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2825,8 +2600,6 @@ KRHPR_API int krhpr_planar_rrr_c_redundant_of_opening_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2842,9 +2615,7 @@ KRHPR_API int krhpr_planar_rrr_c_redundant_of_opening_soa(
             const int doubtful = krhpr_planar_rrr_c_redundant_of_opening_lanes(
                 g, opening_lanes, centre_lanes, jaws_lanes, redundant_lanes, &answer);
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2940,17 +2711,17 @@ KRHPR_API int krhpr_planar_rrr_c_grasp_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[0] + k * in_step[0], in_step[0], 1, here);
+        krhpr_poses_load(phi_lanes, in[0], k * in_step[0], in_step[0], 1, here);
         krhpr_lanes contacts_lanes[6];
-        krhpr_poses_load(contacts_lanes, in[1] + k * in_step[1], in_step[1], 6, here);
+        krhpr_poses_load(contacts_lanes, in[1], k * in_step[1], in_step[1], 6, here);
         krhpr_lanes mass_centre_lanes[2];
-        krhpr_poses_load(mass_centre_lanes, in[2] + k * in_step[2], in_step[2], 2, here);
+        krhpr_poses_load(mass_centre_lanes, in[2], k * in_step[2], in_step[2], 2, here);
         krhpr_lanes weight_lanes[2];
-        krhpr_poses_load(weight_lanes, in[3] + k * in_step[3], in_step[3], 2, here);
+        krhpr_poses_load(weight_lanes, in[3], k * in_step[3], in_step[3], 2, here);
         krhpr_lanes normal_forces_lanes[3];
-        krhpr_poses_load(normal_forces_lanes, in[4] + k * in_step[4], in_step[4], 3, here);
+        krhpr_poses_load(normal_forces_lanes, in[4], k * in_step[4], in_step[4], 3, here);
         krhpr_lanes friction_lanes[1];
-        krhpr_poses_load(friction_lanes, in[5] + k * in_step[5], in_step[5], 1, here);
+        krhpr_poses_load(friction_lanes, in[5], k * in_step[5], in_step[5], 1, here);
         krhpr_lanes contact_forces_lanes[6];
         krhpr_lanes wrench_lanes[3];
         krhpr_lanes redundant_forces_lanes[3];
@@ -2963,24 +2734,19 @@ KRHPR_API int krhpr_planar_rrr_c_grasp_batch(
         krhpr_stream_put(&wrench_stream, out[1] + k * out_step[1], out_step[1], wrench_lanes, 3, here);
         krhpr_stream_put(&redundant_forces_stream, out[2] + k * out_step[2], out_step[2], redundant_forces_lanes, 3, here);
         krhpr_stream_put(&friction_margins_stream, out[3] + k * out_step[3], out_step[3], friction_margins_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&contact_forces_stream);
     krhpr_stream_close(&wrench_stream);
     krhpr_stream_close(&redundant_forces_stream);
     krhpr_stream_close(&friction_margins_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_grasp(
             g, *(in[0] + k * in_step[0]), in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], *(in[5] + k * in_step[5]),
             out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
             out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2996,8 +2762,6 @@ KRHPR_API int krhpr_planar_rrr_c_grasp_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -3033,9 +2797,7 @@ KRHPR_API int krhpr_planar_rrr_c_grasp_soa(
             krhpr_poses_done(wrench_room, wrench_at, row, 3, here);
             krhpr_poses_done(redundant_forces_room, redundant_forces_at, row, 3, here);
             krhpr_poses_done(friction_margins_room, friction_margins_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -3107,33 +2869,28 @@ KRHPR_API int krhpr_planar_rrr_c_passive_joints_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 6, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes wrist_lanes[3];
         krhpr_lanes platform_joint_lanes[3];
         const int doubtful = krhpr_planar_rrr_c_passive_joints_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, wrist_lanes, platform_joint_lanes, &answer);
         krhpr_stream_put(&wrist_stream, out[0] + k * out_step[0], out_step[0], wrist_lanes, 3, here);
         krhpr_stream_put(&platform_joint_stream, out[1] + k * out_step[1], out_step[1], platform_joint_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&wrist_stream);
     krhpr_stream_close(&platform_joint_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_passive_joints(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3149,8 +2906,6 @@ KRHPR_API int krhpr_planar_rrr_c_passive_joints_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -3172,9 +2927,7 @@ KRHPR_API int krhpr_planar_rrr_c_passive_joints_soa(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, wrist_lanes, platform_joint_lanes, &answer);
             krhpr_poses_done(wrist_room, wrist_at, row, 3, here);
             krhpr_poses_done(platform_joint_room, platform_joint_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -3235,33 +2988,28 @@ KRHPR_API int krhpr_planar_rrr_c_link_points_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 6, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes points_lanes[24];
         krhpr_lanes attachment_lanes[6];
         const int doubtful = krhpr_planar_rrr_c_link_points_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
         krhpr_stream_put(&points_stream, out[0] + k * out_step[0], out_step[0], points_lanes, 24, here);
         krhpr_stream_put(&attachment_stream, out[1] + k * out_step[1], out_step[1], attachment_lanes, 6, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&points_stream);
     krhpr_stream_close(&attachment_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_link_points(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3277,8 +3025,6 @@ KRHPR_API int krhpr_planar_rrr_c_link_points_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -3300,9 +3046,7 @@ KRHPR_API int krhpr_planar_rrr_c_link_points_soa(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
             krhpr_poses_done(points_room, points_at, row, 24, here);
             krhpr_poses_done(attachment_room, attachment_at, row, 6, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -3376,13 +3120,13 @@ KRHPR_API int krhpr_planar_rrr_c_singularity_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 6, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes type_1_lanes[3];
         krhpr_lanes factors_lanes[3];
         krhpr_lanes type_2_lanes[1];
@@ -3394,23 +3138,18 @@ KRHPR_API int krhpr_planar_rrr_c_singularity_batch(
         krhpr_stream_put(&factors_stream, out[1] + k * out_step[1], out_step[1], factors_lanes, 3, here);
         krhpr_stream_put(&type_2_stream, out[2] + k * out_step[2], out_step[2], type_2_lanes, 1, here);
         krhpr_stream_put(&margins_stream, out[3] + k * out_step[3], out_step[3], margins_lanes, 1, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&type_1_stream);
     krhpr_stream_close(&factors_stream);
     krhpr_stream_close(&type_2_stream);
     krhpr_stream_close(&margins_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_singularity(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3426,8 +3165,6 @@ KRHPR_API int krhpr_planar_rrr_c_singularity_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -3458,9 +3195,7 @@ KRHPR_API int krhpr_planar_rrr_c_singularity_soa(
             krhpr_poses_done(factors_room, factors_at, row, 3, here);
             krhpr_poses_done(type_2_room, type_2_at, row, 1, here);
             krhpr_poses_done(margins_room, margins_at, row, 1, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -3509,26 +3244,21 @@ KRHPR_API int krhpr_planar_rrr_c_type_2_of_redundant_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes redundant_lanes[3];
-        krhpr_poses_load(redundant_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(redundant_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes type_2_lanes[1];
         krhpr_lanes margins_lanes[1];
         const int doubtful = krhpr_planar_rrr_c_type_2_of_redundant_lanes(
             g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
         krhpr_stream_put(&type_2_stream, out[0] + k * out_step[0], out_step[0], type_2_lanes, 1, here);
         krhpr_stream_put(&margins_stream, out[1] + k * out_step[1], out_step[1], margins_lanes, 1, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&type_2_stream);
     krhpr_stream_close(&margins_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_type_2_of_redundant(
             g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3544,8 +3274,6 @@ KRHPR_API int krhpr_planar_rrr_c_type_2_of_redundant_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -3561,9 +3289,7 @@ KRHPR_API int krhpr_planar_rrr_c_type_2_of_redundant_soa(
                 g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
             krhpr_poses_done(type_2_room, type_2_at, row, 1, here);
             krhpr_poses_done(margins_room, margins_at, row, 1, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -3666,13 +3392,13 @@ KRHPR_API int krhpr_planar_rrr_c_indices_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 6, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes eta_1_lanes[1];
         krhpr_lanes eta_2_lanes[1];
         krhpr_lanes eta_3_lanes[1];
@@ -3684,23 +3410,18 @@ KRHPR_API int krhpr_planar_rrr_c_indices_batch(
         krhpr_stream_put(&eta_2_stream, out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
         krhpr_stream_put(&eta_3_stream, out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
         krhpr_stream_put(&condition_stream, out[3] + k * out_step[3], out_step[3], condition_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&eta_1_stream);
     krhpr_stream_close(&eta_2_stream);
     krhpr_stream_close(&eta_3_stream);
     krhpr_stream_close(&condition_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_indices(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3716,8 +3437,6 @@ KRHPR_API int krhpr_planar_rrr_c_indices_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -3748,9 +3467,7 @@ KRHPR_API int krhpr_planar_rrr_c_indices_soa(
             krhpr_poses_done(eta_2_room, eta_2_at, row, 1, here);
             krhpr_poses_done(eta_3_room, eta_3_at, row, 1, here);
             krhpr_poses_done(condition_room, condition_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -3849,13 +3566,13 @@ KRHPR_API int krhpr_planar_rrr_c_index_bounds_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 2, here);
         krhpr_lanes phi_lanes[1];
-        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(phi_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 6, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes eta_1_lanes[1];
         krhpr_lanes eta_2_lanes[1];
         krhpr_lanes eta_3_lanes[1];
@@ -3864,22 +3581,17 @@ KRHPR_API int krhpr_planar_rrr_c_index_bounds_batch(
         krhpr_stream_put(&eta_1_stream, out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
         krhpr_stream_put(&eta_2_stream, out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
         krhpr_stream_put(&eta_3_stream, out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&eta_1_stream);
     krhpr_stream_close(&eta_2_stream);
     krhpr_stream_close(&eta_3_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_index_bounds(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3895,8 +3607,6 @@ KRHPR_API int krhpr_planar_rrr_c_index_bounds_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -3922,9 +3632,7 @@ KRHPR_API int krhpr_planar_rrr_c_index_bounds_soa(
             krhpr_poses_done(eta_1_room, eta_1_at, row, 1, here);
             krhpr_poses_done(eta_2_room, eta_2_at, row, 1, here);
             krhpr_poses_done(eta_3_room, eta_3_at, row, 1, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -3999,7 +3707,7 @@ KRHPR_API int krhpr_planar_rrr_c_forward_all_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 6, here);
         krhpr_lanes p_lanes[4];
         krhpr_lanes phi_lanes[2];
         krhpr_lanes redundant_lanes[6];
@@ -4012,23 +3720,18 @@ KRHPR_API int krhpr_planar_rrr_c_forward_all_batch(
         krhpr_stream_put(&redundant_stream, out[2] + k * out_step[2], out_step[2], redundant_lanes, 6, here);
         krhpr_stream_put(&det_J_stream, out[3] + k * out_step[3], out_step[3], det_J_lanes, 2, here);
         krhpr_stream_put(&count_stream, out[4] + k * out_step[4], out_step[4], count_lanes, 1, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&p_stream);
     krhpr_stream_close(&phi_stream);
     krhpr_stream_close(&redundant_stream);
     krhpr_stream_close(&det_J_stream);
     krhpr_stream_close(&count_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_forward_all(
             g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2], out[3] + k * out_step[3], out[4] + k * out_step[4]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -4044,8 +3747,6 @@ KRHPR_API int krhpr_planar_rrr_c_forward_all_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -4073,9 +3774,7 @@ KRHPR_API int krhpr_planar_rrr_c_forward_all_soa(
             krhpr_poses_done(redundant_room, redundant_at, row, 6, here);
             krhpr_poses_done(det_J_room, det_J_at, row, 2, here);
             krhpr_poses_done(count_room, count_at, row, 1, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -4162,9 +3861,9 @@ KRHPR_API int krhpr_planar_rrr_c_forward_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(theta_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes side_lanes[1];
-        krhpr_poses_load(side_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(side_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes p_lanes[2];
         krhpr_lanes phi_lanes[1];
         krhpr_lanes redundant_lanes[3];
@@ -4178,24 +3877,19 @@ KRHPR_API int krhpr_planar_rrr_c_forward_batch(
         krhpr_stream_put(&redundant_stream, out[2] + k * out_step[2], out_step[2], redundant_lanes, 3, here);
         krhpr_stream_put(&count_stream, out[3] + k * out_step[3], out_step[3], count_lanes, 1, here);
         krhpr_stream_put(&certified_stream, out[4] + k * out_step[4], out_step[4], certified_lanes, 1, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&p_stream);
     krhpr_stream_close(&phi_stream);
     krhpr_stream_close(&redundant_stream);
     krhpr_stream_close(&count_stream);
     krhpr_stream_close(&certified_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_forward(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), out[0] + k * out_step[0],
             out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3],
             out[4] + k * out_step[4]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -4211,8 +3905,6 @@ KRHPR_API int krhpr_planar_rrr_c_forward_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -4243,9 +3935,7 @@ KRHPR_API int krhpr_planar_rrr_c_forward_soa(
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
             krhpr_poses_done(count_room, count_at, row, 1, here);
             krhpr_poses_done(certified_room, certified_at, row, 1, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -4257,15 +3947,12 @@ KRHPR_API int krhpr_planar_rrr_c_passive_joints_of_theta_batch(
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_passive_joints_of_theta(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), out[0] + k * out_step[0],
             out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3],
             out[4] + k * out_step[4]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -4281,8 +3968,6 @@ KRHPR_API int krhpr_planar_rrr_c_passive_joints_of_theta_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; ++k) {
             double theta_pose[9];
             double side_pose[1];
@@ -4291,8 +3976,8 @@ KRHPR_API int krhpr_planar_rrr_c_passive_joints_of_theta_soa(
             double p_pose[2];
             double phi_pose[1];
             double redundant_pose[3];
-            krhpr_pose_load(theta_pose, in[0] + b * in_step[0] + k, row, 9);
-            krhpr_pose_load(side_pose, in[1] + b * in_step[1] + k, row, 1);
+            krhpr_pose_load(theta_pose, in[0], b * in_step[0] + k, row, 9);
+            krhpr_pose_load(side_pose, in[1], b * in_step[1] + k, row, 1);
             const int here = krhpr_planar_rrr_c_passive_joints_of_theta(
                 g, theta_pose, side_pose[0], wrist_pose, platform_joint_pose, p_pose, phi_pose,
                 redundant_pose);
@@ -4301,10 +3986,7 @@ KRHPR_API int krhpr_planar_rrr_c_passive_joints_of_theta_soa(
             krhpr_pose_store(out[2] + b * out_step[2] + k, row, p_pose, 2);
             krhpr_pose_store(out[3] + b * out_step[3] + k, row, phi_pose, 1);
             krhpr_pose_store(out[4] + b * out_step[4] + k, row, redundant_pose, 3);
-            first = first == KRHPR_OK ? here : first;
-            if (answers != NULL) {
-                answers[k] = here;
-            }
+            first = krhpr_pose_report(here, first, status, b * row + k);
         }
     }
     return first;
@@ -4381,11 +4063,11 @@ KRHPR_API int krhpr_planar_rrr_c_forward_encoders_2_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 6, here);
         krhpr_lanes measured_lanes[2];
-        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
+        krhpr_poses_load(measured_lanes, in[1], k * in_step[1], in_step[1], 2, here);
         krhpr_lanes tolerance_lanes[1];
-        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_poses_load(tolerance_lanes, in[2], k * in_step[2], in_step[2], 1, here);
         krhpr_lanes p_lanes[2];
         krhpr_lanes phi_lanes[1];
         krhpr_lanes raw_lanes[4];
@@ -4397,23 +4079,18 @@ KRHPR_API int krhpr_planar_rrr_c_forward_encoders_2_batch(
         krhpr_stream_put(&phi_stream, out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
         krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
         krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&p_stream);
     krhpr_stream_close(&phi_stream);
     krhpr_stream_close(&raw_stream);
     krhpr_stream_close(&mismatch_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_forward_encoders_2(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
             out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
             out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -4429,8 +4106,6 @@ KRHPR_API int krhpr_planar_rrr_c_forward_encoders_2_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -4459,9 +4134,7 @@ KRHPR_API int krhpr_planar_rrr_c_forward_encoders_2_soa(
             krhpr_poses_done(phi_room, phi_at, row, 1, here);
             krhpr_poses_done(raw_room, raw_at, row, 4, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 1, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -4538,11 +4211,11 @@ KRHPR_API int krhpr_planar_rrr_c_forward_encoders_3_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 6, here);
         krhpr_lanes measured_lanes[3];
-        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 3, here);
+        krhpr_poses_load(measured_lanes, in[1], k * in_step[1], in_step[1], 3, here);
         krhpr_lanes tolerance_lanes[1];
-        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_poses_load(tolerance_lanes, in[2], k * in_step[2], in_step[2], 1, here);
         krhpr_lanes p_lanes[2];
         krhpr_lanes phi_lanes[1];
         krhpr_lanes raw_lanes[4];
@@ -4554,23 +4227,18 @@ KRHPR_API int krhpr_planar_rrr_c_forward_encoders_3_batch(
         krhpr_stream_put(&phi_stream, out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
         krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
         krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&p_stream);
     krhpr_stream_close(&phi_stream);
     krhpr_stream_close(&raw_stream);
     krhpr_stream_close(&mismatch_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_forward_encoders_3(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
             out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
             out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -4586,8 +4254,6 @@ KRHPR_API int krhpr_planar_rrr_c_forward_encoders_3_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -4616,9 +4282,7 @@ KRHPR_API int krhpr_planar_rrr_c_forward_encoders_3_soa(
             krhpr_poses_done(phi_room, phi_at, row, 1, here);
             krhpr_poses_done(raw_room, raw_at, row, 4, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -4721,13 +4385,13 @@ KRHPR_API int krhpr_planar_rrr_c_forward_gauss_newton_2_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 6, here);
         krhpr_lanes measured_lanes[2];
-        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
+        krhpr_poses_load(measured_lanes, in[1], k * in_step[1], in_step[1], 2, here);
         krhpr_lanes tolerance_lanes[1];
-        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_poses_load(tolerance_lanes, in[2], k * in_step[2], in_step[2], 1, here);
         krhpr_lanes weights_lanes[3];
-        krhpr_poses_load(weights_lanes, in[3] + k * in_step[3], in_step[3], 3, here);
+        krhpr_poses_load(weights_lanes, in[3], k * in_step[3], in_step[3], 3, here);
         krhpr_lanes p_lanes[2];
         krhpr_lanes phi_lanes[1];
         krhpr_lanes raw_lanes[4];
@@ -4739,23 +4403,18 @@ KRHPR_API int krhpr_planar_rrr_c_forward_gauss_newton_2_batch(
         krhpr_stream_put(&phi_stream, out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
         krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
         krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&p_stream);
     krhpr_stream_close(&phi_stream);
     krhpr_stream_close(&raw_stream);
     krhpr_stream_close(&mismatch_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_forward_gauss_newton_2(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -4771,8 +4430,6 @@ KRHPR_API int krhpr_planar_rrr_c_forward_gauss_newton_2_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -4803,9 +4460,7 @@ KRHPR_API int krhpr_planar_rrr_c_forward_gauss_newton_2_soa(
             krhpr_poses_done(phi_room, phi_at, row, 1, here);
             krhpr_poses_done(raw_room, raw_at, row, 4, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 1, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -4907,13 +4562,13 @@ KRHPR_API int krhpr_planar_rrr_c_forward_gauss_newton_3_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 6, here);
         krhpr_lanes measured_lanes[3];
-        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 3, here);
+        krhpr_poses_load(measured_lanes, in[1], k * in_step[1], in_step[1], 3, here);
         krhpr_lanes tolerance_lanes[1];
-        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_poses_load(tolerance_lanes, in[2], k * in_step[2], in_step[2], 1, here);
         krhpr_lanes weights_lanes[3];
-        krhpr_poses_load(weights_lanes, in[3] + k * in_step[3], in_step[3], 3, here);
+        krhpr_poses_load(weights_lanes, in[3], k * in_step[3], in_step[3], 3, here);
         krhpr_lanes p_lanes[2];
         krhpr_lanes phi_lanes[1];
         krhpr_lanes raw_lanes[4];
@@ -4925,23 +4580,18 @@ KRHPR_API int krhpr_planar_rrr_c_forward_gauss_newton_3_batch(
         krhpr_stream_put(&phi_stream, out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
         krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
         krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&p_stream);
     krhpr_stream_close(&phi_stream);
     krhpr_stream_close(&raw_stream);
     krhpr_stream_close(&mismatch_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rrr_c_forward_gauss_newton_3(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -4957,8 +4607,6 @@ KRHPR_API int krhpr_planar_rrr_c_forward_gauss_newton_3_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -4989,9 +4637,7 @@ KRHPR_API int krhpr_planar_rrr_c_forward_gauss_newton_3_soa(
             krhpr_poses_done(phi_room, phi_at, row, 1, here);
             krhpr_poses_done(raw_room, raw_at, row, 4, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;

@@ -174,10 +174,15 @@ KRHPR_STATIC int krhpr_poses_here(size_t left)
     return left < KRHPR_LANES ? (int)left : KRHPR_LANES;
 }
 
-/* The numbers of `here` poses, `size` of each, in a row; a pose `step` doubles behind the one before.  The last pose
- * fills lanes that are left over. */
-KRHPR_OUTLINE void krhpr_poses_load(krhpr_lanes *to, const double *from, ptrdiff_t step, int size, int here)
+/* The numbers of `here` poses, `size` of each, in a row; the first `place` doubles behind the array's beginning, a pose `step`
+ * doubles behind the one before.  The last pose fills lanes that are left over.  Nothing where there is no array. */
+KRHPR_OUTLINE void krhpr_poses_load(
+    krhpr_lanes *to, const double *array, ptrdiff_t place, ptrdiff_t step, int size, int here)
 {
+    if (array == NULL) {
+        return;
+    }
+    const double *const from = array + place;
     int rest = 0;
 #ifdef KRHPR_TURNS_IN_REGISTERS
     if (here == KRHPR_LANES) {
@@ -362,15 +367,25 @@ KRHPR_STATIC void krhpr_poses_done(const krhpr_lanes *room, double *to, ptrdiff_
     }
 }
 
-/* One pose of such arrays. */
-KRHPR_STATIC void krhpr_pose_load(double *to, const double *from, ptrdiff_t row, int size)
+/* The same of an array that need not be given: the room as it is. */
+KRHPR_OUTLINE const krhpr_lanes_at *krhpr_poses_given(
+    krhpr_lanes *room, const double *from, ptrdiff_t place, ptrdiff_t row, int size, int here)
 {
+    return from == NULL ? room : krhpr_poses_in(room, from + place, row, size, here);
+}
+
+/* One pose of such arrays, `place` doubles behind the beginning; nothing where there is no array. */
+KRHPR_OUTLINE void krhpr_pose_load(double *to, const double *from, ptrdiff_t place, ptrdiff_t row, int size)
+{
+    if (from == NULL) {
+        return;
+    }
     for (int k = 0; k < size; ++k) {
-        to[k] = from[k * row];
+        to[k] = from[place + k * row];
     }
 }
 
-KRHPR_STATIC void krhpr_pose_store(double *to, ptrdiff_t row, const double *from, int size)
+KRHPR_OUTLINE void krhpr_pose_store(double *to, ptrdiff_t row, const double *from, int size)
 {
     for (int k = 0; k < size; ++k) {
         to[k * row] = from[k];
@@ -436,9 +451,14 @@ KRHPR_STATIC krhpr_ints krhpr_demand(krhpr_ints condition, krhpr_ints status, in
 #endif
 }
 
-/* Writes the statuses of `here` poses; the first that is not KRHPR_OK, if `first` is. */
-KRHPR_OUTLINE int krhpr_poses_report(const krhpr_ints *found, int here, int first, int *status, ptrdiff_t step)
+/* Writes the statuses of `here` poses, `step` from one to the next, pose k the first, if anybody asks; the first that is not
+ * KRHPR_OK, if `first` is. */
+KRHPR_OUTLINE int krhpr_poses_report(
+    int doubtful, const krhpr_ints *found, int here, int first, int *status, ptrdiff_t k, ptrdiff_t step)
 {
+    if (!doubtful && status == NULL) {
+        return first;
+    }
     for (int lane = 0; lane < KRHPR_LANES; ++lane) {
         if (lane < here) {
 #if KRHPR_LANES == 1
@@ -448,11 +468,20 @@ KRHPR_OUTLINE int krhpr_poses_report(const krhpr_ints *found, int here, int firs
 #endif
             first = first == KRHPR_OK ? one : first;
             if (status != NULL) {
-                status[lane * step] = one;
+                status[(k + lane) * step] = one;
             }
         }
     }
     return first;
+}
+
+/* The same of one pose, whose status is `place` behind the first. */
+KRHPR_OUTLINE int krhpr_pose_report(int found, int first, int *status, ptrdiff_t place)
+{
+    if (status != NULL) {
+        status[place] = found;
+    }
+    return first == KRHPR_OK ? found : first;
 }
 
 #endif

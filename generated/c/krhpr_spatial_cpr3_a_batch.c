@@ -46,21 +46,16 @@ KRHPR_API int krhpr_spatial_cpr3_a_rotation_error_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(Q_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes error_lanes[1];
         const int doubtful = krhpr_spatial_cpr3_a_rotation_error_lanes(g, Q_lanes, error_lanes, &answer);
         krhpr_stream_put(&error_stream, out[0] + k * out_step[0], out_step[0], error_lanes, 1, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&error_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_cpr3_a_rotation_error(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -76,8 +71,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_rotation_error_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -88,9 +81,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_rotation_error_soa(
             krhpr_lanes_at *const error_lanes = krhpr_poses_out(error_room, error_at, row, here);
             const int doubtful = krhpr_spatial_cpr3_a_rotation_error_lanes(g, Q_lanes, error_lanes, &answer);
             krhpr_poses_done(error_room, error_at, row, 1, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -140,28 +131,23 @@ KRHPR_API int krhpr_spatial_cpr3_a_end_points_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes redundant_lanes[3];
-        krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
+        krhpr_poses_load(redundant_lanes, in[2], k * in_step[2], in_step[2], 3, here);
         krhpr_lanes s_lanes[9];
         const int doubtful = krhpr_spatial_cpr3_a_end_points_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, s_lanes, &answer);
         krhpr_stream_put(&s_stream, out[0] + k * out_step[0], out_step[0], s_lanes, 9, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&s_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_cpr3_a_end_points(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -177,8 +163,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_end_points_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -194,9 +178,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_end_points_soa(
             const int doubtful = krhpr_spatial_cpr3_a_end_points_lanes(
                 g, p_lanes, Q_lanes, redundant_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 9, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -246,28 +228,23 @@ KRHPR_API int krhpr_spatial_cpr3_a_redundant_coordinates_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes redundant_lanes[3];
         const int doubtful = krhpr_spatial_cpr3_a_redundant_coordinates_lanes(
             g, p_lanes, Q_lanes, s_lanes, redundant_lanes, &answer);
         krhpr_stream_put(&redundant_stream, out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&redundant_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_cpr3_a_redundant_coordinates(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -283,8 +260,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_redundant_coordinates_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -300,9 +275,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_redundant_coordinates_soa(
             const int doubtful = krhpr_spatial_cpr3_a_redundant_coordinates_lanes(
                 g, p_lanes, Q_lanes, s_lanes, redundant_lanes, &answer);
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -371,25 +344,20 @@ KRHPR_API int krhpr_spatial_cpr3_a_subleg_forward_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(theta_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes s_near_lanes[9];
-        krhpr_poses_load(s_near_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(s_near_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
         const int doubtful = krhpr_spatial_cpr3_a_subleg_forward_lanes(
             g, theta_lanes, s_near_lanes, s_lanes, &answer);
         krhpr_stream_put(&s_stream, out[0] + k * out_step[0], out_step[0], s_lanes, 9, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&s_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_cpr3_a_subleg_forward(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -405,8 +373,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_subleg_forward_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -420,9 +386,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_subleg_forward_soa(
             const int doubtful = krhpr_spatial_cpr3_a_subleg_forward_lanes(
                 g, theta_lanes, s_near_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 9, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -435,14 +399,11 @@ KRHPR_API int krhpr_spatial_cpr3_a_subleg_forward_all_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_cpr3_a_subleg_forward_all(
             g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -458,25 +419,20 @@ KRHPR_API int krhpr_spatial_cpr3_a_subleg_forward_all_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; ++k) {
             double theta_pose[9];
             double s_pose[72];
             double volume_pose[24];
             double count_pose[3];
             double doubtful_pose[3];
-            krhpr_pose_load(theta_pose, in[0] + b * in_step[0] + k, row, 9);
+            krhpr_pose_load(theta_pose, in[0], b * in_step[0] + k, row, 9);
             const int here = krhpr_spatial_cpr3_a_subleg_forward_all(
                 g, theta_pose, s_pose, volume_pose, count_pose, doubtful_pose);
             krhpr_pose_store(out[0] + b * out_step[0] + k, row, s_pose, 72);
             krhpr_pose_store(out[1] + b * out_step[1] + k, row, volume_pose, 24);
             krhpr_pose_store(out[2] + b * out_step[2] + k, row, count_pose, 3);
             krhpr_pose_store(out[3] + b * out_step[3] + k, row, doubtful_pose, 3);
-            first = first == KRHPR_OK ? here : first;
-            if (answers != NULL) {
-                answers[k] = here;
-            }
+            first = krhpr_pose_report(here, first, status, b * row + k);
         }
     }
     return first;
@@ -527,21 +483,16 @@ KRHPR_API int krhpr_spatial_cpr3_a_subleg_inverse_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes theta_lanes[9];
         const int doubtful = krhpr_spatial_cpr3_a_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
         krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 9, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&theta_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_cpr3_a_subleg_inverse(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -557,8 +508,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_subleg_inverse_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -569,9 +518,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_subleg_inverse_soa(
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
             const int doubtful = krhpr_spatial_cpr3_a_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 9, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -626,25 +573,20 @@ KRHPR_API int krhpr_spatial_cpr3_a_subleg_jacobian_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(theta_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes M_lanes[27];
         const int doubtful = krhpr_spatial_cpr3_a_subleg_jacobian_lanes(
             g, s_lanes, theta_lanes, M_lanes, &answer);
         krhpr_stream_put(&M_stream, out[0] + k * out_step[0], out_step[0], M_lanes, 27, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&M_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_cpr3_a_subleg_jacobian(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -660,8 +602,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_subleg_jacobian_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -675,9 +615,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_subleg_jacobian_soa(
             const int doubtful = krhpr_spatial_cpr3_a_subleg_jacobian_lanes(
                 g, s_lanes, theta_lanes, M_lanes, &answer);
             krhpr_poses_done(M_room, M_at, row, 27, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -719,28 +657,23 @@ KRHPR_API int krhpr_spatial_cpr3_a_constraints_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes residual_lanes[6];
         const int doubtful = krhpr_spatial_cpr3_a_constraints_lanes(
             g, p_lanes, Q_lanes, s_lanes, residual_lanes, &answer);
         krhpr_stream_put(&residual_stream, out[0] + k * out_step[0], out_step[0], residual_lanes, 6, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&residual_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_cpr3_a_constraints(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -756,8 +689,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_constraints_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -773,9 +704,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_constraints_soa(
             const int doubtful = krhpr_spatial_cpr3_a_constraints_lanes(
                 g, p_lanes, Q_lanes, s_lanes, residual_lanes, &answer);
             krhpr_poses_done(residual_room, residual_at, row, 6, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -846,33 +775,28 @@ KRHPR_API int krhpr_spatial_cpr3_a_jacobians_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes J_lanes[36];
         krhpr_lanes K_lanes[54];
         const int doubtful = krhpr_spatial_cpr3_a_jacobians_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 36, here);
         krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 54, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&J_stream);
     krhpr_stream_close(&K_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_cpr3_a_jacobians(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -888,8 +812,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_jacobians_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -911,9 +833,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_jacobians_soa(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 36, here);
             krhpr_poses_done(K_room, K_at, row, 54, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -975,33 +895,28 @@ KRHPR_API int krhpr_spatial_cpr3_a_jacobian_blocks_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes J_lanes[36];
         krhpr_lanes K_lanes[18];
         const int doubtful = krhpr_spatial_cpr3_a_jacobian_blocks_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 36, here);
         krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 18, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&J_stream);
     krhpr_stream_close(&K_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_cpr3_a_jacobian_blocks(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1017,8 +932,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_jacobian_blocks_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1040,9 +953,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_jacobian_blocks_soa(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 36, here);
             krhpr_poses_done(K_room, K_at, row, 18, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1121,33 +1032,28 @@ KRHPR_API int krhpr_spatial_cpr3_a_jacobians_n_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes J_lanes[81];
         krhpr_lanes K_lanes[81];
         const int doubtful = krhpr_spatial_cpr3_a_jacobians_n_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 81, here);
         krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 81, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&J_stream);
     krhpr_stream_close(&K_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_cpr3_a_jacobians_n(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1163,8 +1069,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_jacobians_n_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1186,9 +1090,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_jacobians_n_soa(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 81, here);
             krhpr_poses_done(K_room, K_at, row, 81, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1248,28 +1150,23 @@ KRHPR_API int krhpr_spatial_cpr3_a_inverse_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes redundant_lanes[3];
-        krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
+        krhpr_poses_load(redundant_lanes, in[2], k * in_step[2], in_step[2], 3, here);
         krhpr_lanes theta_lanes[9];
         const int doubtful = krhpr_spatial_cpr3_a_inverse_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, theta_lanes, &answer);
         krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 9, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&theta_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_cpr3_a_inverse(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1285,8 +1182,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_inverse_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1302,9 +1197,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_inverse_soa(
             const int doubtful = krhpr_spatial_cpr3_a_inverse_lanes(
                 g, p_lanes, Q_lanes, redundant_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 9, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1364,28 +1257,23 @@ KRHPR_API int krhpr_spatial_cpr3_a_inverse_all_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes redundant_lanes[3];
-        krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
+        krhpr_poses_load(redundant_lanes, in[2], k * in_step[2], in_step[2], 3, here);
         krhpr_lanes theta_lanes[9];
         const int doubtful = krhpr_spatial_cpr3_a_inverse_all_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, theta_lanes, &answer);
         krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 9, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&theta_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_cpr3_a_inverse_all(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1401,8 +1289,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_inverse_all_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1418,9 +1304,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_inverse_all_soa(
             const int doubtful = krhpr_spatial_cpr3_a_inverse_all_lanes(
                 g, p_lanes, Q_lanes, redundant_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 9, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1433,14 +1317,11 @@ KRHPR_API int krhpr_spatial_cpr3_a_inverse_near_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_cpr3_a_inverse_near(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1456,24 +1337,19 @@ KRHPR_API int krhpr_spatial_cpr3_a_inverse_near_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; ++k) {
             double p_pose[3];
             double Q_pose[9];
             double redundant_pose[3];
             double theta_near_pose[9];
             double theta_pose[9];
-            krhpr_pose_load(p_pose, in[0] + b * in_step[0] + k, row, 3);
-            krhpr_pose_load(Q_pose, in[1] + b * in_step[1] + k, row, 9);
-            krhpr_pose_load(redundant_pose, in[2] + b * in_step[2] + k, row, 3);
-            krhpr_pose_load(theta_near_pose, in[3] + b * in_step[3] + k, row, 9);
+            krhpr_pose_load(p_pose, in[0], b * in_step[0] + k, row, 3);
+            krhpr_pose_load(Q_pose, in[1], b * in_step[1] + k, row, 9);
+            krhpr_pose_load(redundant_pose, in[2], b * in_step[2] + k, row, 3);
+            krhpr_pose_load(theta_near_pose, in[3], b * in_step[3] + k, row, 9);
             const int here = krhpr_spatial_cpr3_a_inverse_near(g, p_pose, Q_pose, redundant_pose, theta_near_pose, theta_pose);
             krhpr_pose_store(out[0] + b * out_step[0] + k, row, theta_pose, 9);
-            first = first == KRHPR_OK ? here : first;
-            if (answers != NULL) {
-                answers[k] = here;
-            }
+            first = krhpr_pose_report(here, first, status, b * row + k);
         }
     }
     return first;
@@ -1531,28 +1407,23 @@ KRHPR_API int krhpr_spatial_cpr3_a_inverse_status_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes redundant_lanes[3];
-        krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
+        krhpr_poses_load(redundant_lanes, in[2], k * in_step[2], in_step[2], 3, here);
         krhpr_lanes excess_lanes[3];
         const int doubtful = krhpr_spatial_cpr3_a_inverse_status_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, excess_lanes, &answer);
         krhpr_stream_put(&excess_stream, out[0] + k * out_step[0], out_step[0], excess_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&excess_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_cpr3_a_inverse_status(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1568,8 +1439,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_inverse_status_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1585,9 +1454,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_inverse_status_soa(
             const int doubtful = krhpr_spatial_cpr3_a_inverse_status_lanes(
                 g, p_lanes, Q_lanes, redundant_lanes, excess_lanes, &answer);
             krhpr_poses_done(excess_room, excess_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1660,32 +1527,27 @@ KRHPR_API int krhpr_spatial_cpr3_a_twist_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes theta_dot_lanes[9];
-        krhpr_poses_load(theta_dot_lanes, in[4] + k * in_step[4], in_step[4], 9, here);
+        krhpr_poses_load(theta_dot_lanes, in[4], k * in_step[4], in_step[4], 9, here);
         krhpr_lanes twist_lanes[6];
         const int doubtful = krhpr_spatial_cpr3_a_twist_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
         krhpr_stream_put(&twist_stream, out[0] + k * out_step[0], out_step[0], twist_lanes, 6, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&twist_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_cpr3_a_twist(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1701,8 +1563,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_twist_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1722,9 +1582,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_twist_soa(
             const int doubtful = krhpr_spatial_cpr3_a_twist_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
             krhpr_poses_done(twist_room, twist_at, row, 6, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1784,35 +1642,30 @@ KRHPR_API int krhpr_spatial_cpr3_a_joint_rates_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes twist_lanes[6];
-        krhpr_poses_load(twist_lanes, in[4] + k * in_step[4], in_step[4], 6, here);
+        krhpr_poses_load(twist_lanes, in[4], k * in_step[4], in_step[4], 6, here);
         krhpr_lanes redundant_rates_lanes[3];
-        krhpr_poses_load(redundant_rates_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
+        krhpr_poses_load(redundant_rates_lanes, in[5], k * in_step[5], in_step[5], 3, here);
         krhpr_lanes theta_dot_lanes[9];
         const int doubtful = krhpr_spatial_cpr3_a_joint_rates_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes, theta_dot_lanes,
             &answer);
         krhpr_stream_put(&theta_dot_stream, out[0] + k * out_step[0], out_step[0], theta_dot_lanes, 9, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&theta_dot_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_cpr3_a_joint_rates(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1828,8 +1681,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_joint_rates_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1852,9 +1703,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_joint_rates_soa(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
                 theta_dot_lanes, &answer);
             krhpr_poses_done(theta_dot_room, theta_dot_at, row, 9, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1937,38 +1786,33 @@ KRHPR_API int krhpr_spatial_cpr3_a_platform_acceleration_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes twist_lanes[6];
-        krhpr_poses_load(twist_lanes, in[4] + k * in_step[4], in_step[4], 6, here);
+        krhpr_poses_load(twist_lanes, in[4], k * in_step[4], in_step[4], 6, here);
         krhpr_lanes theta_dot_lanes[9];
-        krhpr_poses_load(theta_dot_lanes, in[5] + k * in_step[5], in_step[5], 9, here);
+        krhpr_poses_load(theta_dot_lanes, in[5], k * in_step[5], in_step[5], 9, here);
         krhpr_lanes theta_ddot_lanes[9];
-        krhpr_poses_load(theta_ddot_lanes, in[6] + k * in_step[6], in_step[6], 9, here);
+        krhpr_poses_load(theta_ddot_lanes, in[6], k * in_step[6], in_step[6], 9, here);
         krhpr_lanes twist_rate_lanes[6];
         const int doubtful = krhpr_spatial_cpr3_a_platform_acceleration_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
             twist_rate_lanes, &answer);
         krhpr_stream_put(&twist_rate_stream, out[0] + k * out_step[0], out_step[0], twist_rate_lanes, 6, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&twist_rate_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_cpr3_a_platform_acceleration(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1984,8 +1828,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_platform_acceleration_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2010,9 +1852,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_platform_acceleration_soa(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
                 twist_rate_lanes, &answer);
             krhpr_poses_done(twist_rate_room, twist_rate_at, row, 6, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2089,42 +1929,37 @@ KRHPR_API int krhpr_spatial_cpr3_a_joint_accelerations_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes twist_lanes[6];
-        krhpr_poses_load(twist_lanes, in[4] + k * in_step[4], in_step[4], 6, here);
+        krhpr_poses_load(twist_lanes, in[4], k * in_step[4], in_step[4], 6, here);
         krhpr_lanes redundant_rates_lanes[3];
-        krhpr_poses_load(redundant_rates_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
+        krhpr_poses_load(redundant_rates_lanes, in[5], k * in_step[5], in_step[5], 3, here);
         krhpr_lanes theta_dot_lanes[9];
-        krhpr_poses_load(theta_dot_lanes, in[6] + k * in_step[6], in_step[6], 9, here);
+        krhpr_poses_load(theta_dot_lanes, in[6], k * in_step[6], in_step[6], 9, here);
         krhpr_lanes twist_rate_lanes[6];
-        krhpr_poses_load(twist_rate_lanes, in[7] + k * in_step[7], in_step[7], 6, here);
+        krhpr_poses_load(twist_rate_lanes, in[7], k * in_step[7], in_step[7], 6, here);
         krhpr_lanes redundant_accelerations_lanes[3];
-        krhpr_poses_load(redundant_accelerations_lanes, in[8] + k * in_step[8], in_step[8], 3, here);
+        krhpr_poses_load(redundant_accelerations_lanes, in[8], k * in_step[8], in_step[8], 3, here);
         krhpr_lanes theta_ddot_lanes[9];
         const int doubtful = krhpr_spatial_cpr3_a_joint_accelerations_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes, theta_dot_lanes,
             twist_rate_lanes, redundant_accelerations_lanes, theta_ddot_lanes, &answer);
         krhpr_stream_put(&theta_ddot_stream, out[0] + k * out_step[0], out_step[0], theta_ddot_lanes, 9, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&theta_ddot_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_cpr3_a_joint_accelerations(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
             in[7] + k * in_step[7], in[8] + k * in_step[8], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2140,8 +1975,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_joint_accelerations_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2170,9 +2003,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_joint_accelerations_soa(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
                 theta_dot_lanes, twist_rate_lanes, redundant_accelerations_lanes, theta_ddot_lanes, &answer);
             krhpr_poses_done(theta_ddot_room, theta_ddot_at, row, 9, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2251,35 +2082,30 @@ KRHPR_API int krhpr_spatial_cpr3_a_inverse_statics_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes wrench_lanes[6];
-        krhpr_poses_load(wrench_lanes, in[4] + k * in_step[4], in_step[4], 6, here);
+        krhpr_poses_load(wrench_lanes, in[4], k * in_step[4], in_step[4], 6, here);
         krhpr_lanes redundant_forces_lanes[3];
-        krhpr_poses_load(redundant_forces_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
+        krhpr_poses_load(redundant_forces_lanes, in[5], k * in_step[5], in_step[5], 3, here);
         krhpr_lanes actuator_forces_lanes[9];
         const int doubtful = krhpr_spatial_cpr3_a_inverse_statics_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, wrench_lanes, redundant_forces_lanes,
             actuator_forces_lanes, &answer);
         krhpr_stream_put(&actuator_forces_stream, out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 9, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&actuator_forces_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_cpr3_a_inverse_statics(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2295,8 +2121,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_inverse_statics_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2319,9 +2143,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_inverse_statics_soa(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, wrench_lanes, redundant_forces_lanes,
                 actuator_forces_lanes, &answer);
             krhpr_poses_done(actuator_forces_room, actuator_forces_at, row, 9, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2390,15 +2212,15 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_statics_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes actuator_forces_lanes[9];
-        krhpr_poses_load(actuator_forces_lanes, in[4] + k * in_step[4], in_step[4], 9, here);
+        krhpr_poses_load(actuator_forces_lanes, in[4], k * in_step[4], in_step[4], 9, here);
         krhpr_lanes wrench_lanes[6];
         krhpr_lanes redundant_forces_lanes[3];
         const int doubtful = krhpr_spatial_cpr3_a_forward_statics_lanes(
@@ -2406,21 +2228,16 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_statics_batch(
             redundant_forces_lanes, &answer);
         krhpr_stream_put(&wrench_stream, out[0] + k * out_step[0], out_step[0], wrench_lanes, 6, here);
         krhpr_stream_put(&redundant_forces_stream, out[1] + k * out_step[1], out_step[1], redundant_forces_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&wrench_stream);
     krhpr_stream_close(&redundant_forces_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_cpr3_a_forward_statics(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], out[0] + k * out_step[0],
             out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2436,8 +2253,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_statics_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2462,9 +2277,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_statics_soa(
                 redundant_forces_lanes, &answer);
             krhpr_poses_done(wrench_room, wrench_at, row, 6, here);
             krhpr_poses_done(redundant_forces_room, redundant_forces_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2531,13 +2344,13 @@ KRHPR_API int krhpr_spatial_cpr3_a_passive_joints_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes passive_lanes[18];
         krhpr_lanes spherical_lanes[27];
         krhpr_lanes platform_joint_lanes[3];
@@ -2547,22 +2360,17 @@ KRHPR_API int krhpr_spatial_cpr3_a_passive_joints_batch(
         krhpr_stream_put(&passive_stream, out[0] + k * out_step[0], out_step[0], passive_lanes, 18, here);
         krhpr_stream_put(&spherical_stream, out[1] + k * out_step[1], out_step[1], spherical_lanes, 27, here);
         krhpr_stream_put(&platform_joint_stream, out[2] + k * out_step[2], out_step[2], platform_joint_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&passive_stream);
     krhpr_stream_close(&spherical_stream);
     krhpr_stream_close(&platform_joint_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_cpr3_a_passive_joints(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2578,8 +2386,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_passive_joints_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2606,9 +2412,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_passive_joints_soa(
             krhpr_poses_done(passive_room, passive_at, row, 18, here);
             krhpr_poses_done(spherical_room, spherical_at, row, 27, here);
             krhpr_poses_done(platform_joint_room, platform_joint_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2660,33 +2464,28 @@ KRHPR_API int krhpr_spatial_cpr3_a_link_points_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes points_lanes[36];
         krhpr_lanes attachment_lanes[9];
         const int doubtful = krhpr_spatial_cpr3_a_link_points_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
         krhpr_stream_put(&points_stream, out[0] + k * out_step[0], out_step[0], points_lanes, 36, here);
         krhpr_stream_put(&attachment_stream, out[1] + k * out_step[1], out_step[1], attachment_lanes, 9, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&points_stream);
     krhpr_stream_close(&attachment_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_cpr3_a_link_points(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2702,8 +2501,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_link_points_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2725,9 +2522,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_link_points_soa(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
             krhpr_poses_done(points_room, points_at, row, 36, here);
             krhpr_poses_done(attachment_room, attachment_at, row, 9, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2804,30 +2599,25 @@ KRHPR_API int krhpr_spatial_cpr3_a_clearances_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes distances_lanes[78];
         const int doubtful = krhpr_spatial_cpr3_a_clearances_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, distances_lanes, &answer);
         krhpr_stream_put(&distances_stream, out[0] + k * out_step[0], out_step[0], distances_lanes, 78, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&distances_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_cpr3_a_clearances(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2843,8 +2633,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_clearances_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2862,9 +2650,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_clearances_soa(
             const int doubtful = krhpr_spatial_cpr3_a_clearances_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, distances_lanes, &answer);
             krhpr_poses_done(distances_room, distances_at, row, 78, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2929,13 +2715,13 @@ KRHPR_API int krhpr_spatial_cpr3_a_singularity_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes type_1_lanes[3];
         krhpr_lanes factors_lanes[12];
         krhpr_lanes type_2_lanes[2];
@@ -2947,23 +2733,18 @@ KRHPR_API int krhpr_spatial_cpr3_a_singularity_batch(
         krhpr_stream_put(&factors_stream, out[1] + k * out_step[1], out_step[1], factors_lanes, 12, here);
         krhpr_stream_put(&type_2_stream, out[2] + k * out_step[2], out_step[2], type_2_lanes, 2, here);
         krhpr_stream_put(&margins_stream, out[3] + k * out_step[3], out_step[3], margins_lanes, 2, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&type_1_stream);
     krhpr_stream_close(&factors_stream);
     krhpr_stream_close(&type_2_stream);
     krhpr_stream_close(&margins_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_cpr3_a_singularity(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2979,8 +2760,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_singularity_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -3011,9 +2790,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_singularity_soa(
             krhpr_poses_done(factors_room, factors_at, row, 12, here);
             krhpr_poses_done(type_2_room, type_2_at, row, 2, here);
             krhpr_poses_done(margins_room, margins_at, row, 2, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -3070,26 +2847,21 @@ KRHPR_API int krhpr_spatial_cpr3_a_type_2_of_redundant_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes redundant_lanes[3];
-        krhpr_poses_load(redundant_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(redundant_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes type_2_lanes[2];
         krhpr_lanes margins_lanes[2];
         const int doubtful = krhpr_spatial_cpr3_a_type_2_of_redundant_lanes(
             g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
         krhpr_stream_put(&type_2_stream, out[0] + k * out_step[0], out_step[0], type_2_lanes, 2, here);
         krhpr_stream_put(&margins_stream, out[1] + k * out_step[1], out_step[1], margins_lanes, 2, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&type_2_stream);
     krhpr_stream_close(&margins_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_cpr3_a_type_2_of_redundant(
             g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3105,8 +2877,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_type_2_of_redundant_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -3122,9 +2892,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_type_2_of_redundant_soa(
                 g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
             krhpr_poses_done(type_2_room, type_2_at, row, 2, here);
             krhpr_poses_done(margins_room, margins_at, row, 2, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -3225,15 +2993,15 @@ KRHPR_API int krhpr_spatial_cpr3_a_indices_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes characteristic_length_lanes[1];
-        krhpr_poses_load(characteristic_length_lanes, in[4] + k * in_step[4], in_step[4], 1, here);
+        krhpr_poses_load(characteristic_length_lanes, in[4], k * in_step[4], in_step[4], 1, here);
         krhpr_lanes eta_1_lanes[1];
         krhpr_lanes eta_2_lanes[1];
         krhpr_lanes eta_3_lanes[1];
@@ -3245,23 +3013,18 @@ KRHPR_API int krhpr_spatial_cpr3_a_indices_batch(
         krhpr_stream_put(&eta_2_stream, out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
         krhpr_stream_put(&eta_3_stream, out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
         krhpr_stream_put(&condition_stream, out[3] + k * out_step[3], out_step[3], condition_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&eta_1_stream);
     krhpr_stream_close(&eta_2_stream);
     krhpr_stream_close(&eta_3_stream);
     krhpr_stream_close(&condition_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_cpr3_a_indices(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], *(in[4] + k * in_step[4]), out[0] + k * out_step[0],
             out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3277,8 +3040,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_indices_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -3311,9 +3072,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_indices_soa(
             krhpr_poses_done(eta_2_room, eta_2_at, row, 1, here);
             krhpr_poses_done(eta_3_room, eta_3_at, row, 1, here);
             krhpr_poses_done(condition_room, condition_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -3411,15 +3170,15 @@ KRHPR_API int krhpr_spatial_cpr3_a_index_bounds_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes characteristic_length_lanes[1];
-        krhpr_poses_load(characteristic_length_lanes, in[4] + k * in_step[4], in_step[4], 1, here);
+        krhpr_poses_load(characteristic_length_lanes, in[4], k * in_step[4], in_step[4], 1, here);
         krhpr_lanes eta_1_lanes[1];
         krhpr_lanes eta_2_lanes[1];
         krhpr_lanes eta_3_lanes[1];
@@ -3429,22 +3188,17 @@ KRHPR_API int krhpr_spatial_cpr3_a_index_bounds_batch(
         krhpr_stream_put(&eta_1_stream, out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
         krhpr_stream_put(&eta_2_stream, out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
         krhpr_stream_put(&eta_3_stream, out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&eta_1_stream);
     krhpr_stream_close(&eta_2_stream);
     krhpr_stream_close(&eta_3_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_cpr3_a_index_bounds(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], *(in[4] + k * in_step[4]), out[0] + k * out_step[0],
             out[1] + k * out_step[1], out[2] + k * out_step[2]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3460,8 +3214,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_index_bounds_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -3490,9 +3242,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_index_bounds_soa(
             krhpr_poses_done(eta_1_room, eta_1_at, row, 1, here);
             krhpr_poses_done(eta_2_room, eta_2_at, row, 1, here);
             krhpr_poses_done(eta_3_room, eta_3_at, row, 1, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -3505,15 +3255,12 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_all_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_cpr3_a_forward_all(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), out[0] + k * out_step[0],
             out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3],
             out[4] + k * out_step[4], out[5] + k * out_step[5]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3529,8 +3276,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_all_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; ++k) {
             double s_pose[9];
             double turned_pose[1];
@@ -3540,8 +3285,8 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_all_soa(
             double det_J_pose[6];
             double count_pose[1];
             double doubtful_pose[1];
-            krhpr_pose_load(s_pose, in[0] + b * in_step[0] + k, row, 9);
-            krhpr_pose_load(turned_pose, in[1] + b * in_step[1] + k, row, 1);
+            krhpr_pose_load(s_pose, in[0], b * in_step[0] + k, row, 9);
+            krhpr_pose_load(turned_pose, in[1], b * in_step[1] + k, row, 1);
             const int here = krhpr_spatial_cpr3_a_forward_all(
                 g, s_pose, turned_pose[0], p_pose, Q_pose, redundant_pose, det_J_pose, count_pose,
                 doubtful_pose);
@@ -3551,10 +3296,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_all_soa(
             krhpr_pose_store(out[3] + b * out_step[3] + k, row, det_J_pose, 6);
             krhpr_pose_store(out[4] + b * out_step[4] + k, row, count_pose, 1);
             krhpr_pose_store(out[5] + b * out_step[5] + k, row, doubtful_pose, 1);
-            first = first == KRHPR_OK ? here : first;
-            if (answers != NULL) {
-                answers[k] = here;
-            }
+            first = krhpr_pose_report(here, first, status, b * row + k);
         }
     }
     return first;
@@ -3567,15 +3309,12 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_cpr3_a_forward(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] ? in[2] + k * in_step[2] : NULL,
             *(in[3] + k * in_step[3]), out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2], out[3] + k * out_step[3], out[4] + k * out_step[4]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3591,8 +3330,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; ++k) {
             double theta_pose[9];
             double s_near_pose[9];
@@ -3603,12 +3340,10 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_soa(
             double redundant_pose[3];
             double count_pose[1];
             double certified_pose[1];
-            krhpr_pose_load(theta_pose, in[0] + b * in_step[0] + k, row, 9);
-            krhpr_pose_load(s_near_pose, in[1] + b * in_step[1] + k, row, 9);
-            if (in[2] != NULL) {
-                krhpr_pose_load(box_pose, in[2] + b * in_step[2] + k, row, 6);
-            }
-            krhpr_pose_load(turned_pose, in[3] + b * in_step[3] + k, row, 1);
+            krhpr_pose_load(theta_pose, in[0], b * in_step[0] + k, row, 9);
+            krhpr_pose_load(s_near_pose, in[1], b * in_step[1] + k, row, 9);
+            krhpr_pose_load(box_pose, in[2], b * in_step[2] + k, row, 6);
+            krhpr_pose_load(turned_pose, in[3], b * in_step[3] + k, row, 1);
             const int here = krhpr_spatial_cpr3_a_forward(
                 g, theta_pose, s_near_pose, in[2] ? box_pose : NULL, turned_pose[0], p_pose, Q_pose,
                 redundant_pose, count_pose, certified_pose);
@@ -3617,10 +3352,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_soa(
             krhpr_pose_store(out[2] + b * out_step[2] + k, row, redundant_pose, 3);
             krhpr_pose_store(out[3] + b * out_step[3] + k, row, count_pose, 1);
             krhpr_pose_store(out[4] + b * out_step[4] + k, row, certified_pose, 1);
-            first = first == KRHPR_OK ? here : first;
-            if (answers != NULL) {
-                answers[k] = here;
-            }
+            first = krhpr_pose_report(here, first, status, b * row + k);
         }
     }
     return first;
@@ -3729,11 +3461,11 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_newton_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes p_near_lanes[3];
-        krhpr_poses_load(p_near_lanes, in[1] + k * in_step[1], in_step[1], 3, here);
+        krhpr_poses_load(p_near_lanes, in[1], k * in_step[1], in_step[1], 3, here);
         krhpr_lanes Q_near_lanes[9];
-        krhpr_poses_load(Q_near_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(Q_near_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes p_lanes[3];
         krhpr_lanes Q_lanes[9];
         krhpr_lanes redundant_lanes[3];
@@ -3745,23 +3477,18 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_newton_batch(
         krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_stream_put(&redundant_stream, out[2] + k * out_step[2], out_step[2], redundant_lanes, 3, here);
         krhpr_stream_put(&kantorovich_stream, out[3] + k * out_step[3], out_step[3], kantorovich_lanes, 1, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&p_stream);
     krhpr_stream_close(&Q_stream);
     krhpr_stream_close(&redundant_stream);
     krhpr_stream_close(&kantorovich_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_cpr3_a_forward_newton(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
             out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3777,8 +3504,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_newton_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -3807,9 +3532,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_newton_soa(
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
             krhpr_poses_done(kantorovich_room, kantorovich_at, row, 1, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -3884,11 +3607,11 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_encoders_1_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes measured_lanes[1];
-        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(measured_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes tolerance_lanes[1];
-        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_poses_load(tolerance_lanes, in[2], k * in_step[2], in_step[2], 1, here);
         krhpr_lanes p_lanes[6];
         krhpr_lanes Q_lanes[18];
         krhpr_lanes mismatch_lanes[2];
@@ -3897,21 +3620,16 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_encoders_1_batch(
         krhpr_stream_put(&p_stream, out[0] + k * out_step[0], out_step[0], p_lanes, 6, here);
         krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 18, here);
         krhpr_stream_put(&mismatch_stream, out[2] + k * out_step[2], out_step[2], mismatch_lanes, 2, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&p_stream);
     krhpr_stream_close(&Q_stream);
     krhpr_stream_close(&mismatch_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_cpr3_a_forward_encoders_1(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
             out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3927,8 +3645,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_encoders_1_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -3952,9 +3668,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_encoders_1_soa(
             krhpr_poses_done(p_room, p_at, row, 6, here);
             krhpr_poses_done(Q_room, Q_at, row, 18, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 2, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -3967,16 +3681,13 @@ KRHPR_API int krhpr_spatial_cpr3_a_passive_joints_of_theta_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_cpr3_a_passive_joints_of_theta(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] ? in[2] + k * in_step[2] : NULL,
             *(in[3] + k * in_step[3]), out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2], out[3] + k * out_step[3], out[4] + k * out_step[4],
             out[5] + k * out_step[5]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3992,8 +3703,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_passive_joints_of_theta_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; ++k) {
             double theta_pose[9];
             double s_near_pose[9];
@@ -4005,12 +3714,10 @@ KRHPR_API int krhpr_spatial_cpr3_a_passive_joints_of_theta_soa(
             double p_pose[3];
             double Q_pose[9];
             double redundant_pose[3];
-            krhpr_pose_load(theta_pose, in[0] + b * in_step[0] + k, row, 9);
-            krhpr_pose_load(s_near_pose, in[1] + b * in_step[1] + k, row, 9);
-            if (in[2] != NULL) {
-                krhpr_pose_load(box_pose, in[2] + b * in_step[2] + k, row, 6);
-            }
-            krhpr_pose_load(turned_pose, in[3] + b * in_step[3] + k, row, 1);
+            krhpr_pose_load(theta_pose, in[0], b * in_step[0] + k, row, 9);
+            krhpr_pose_load(s_near_pose, in[1], b * in_step[1] + k, row, 9);
+            krhpr_pose_load(box_pose, in[2], b * in_step[2] + k, row, 6);
+            krhpr_pose_load(turned_pose, in[3], b * in_step[3] + k, row, 1);
             const int here = krhpr_spatial_cpr3_a_passive_joints_of_theta(
                 g, theta_pose, s_near_pose, in[2] ? box_pose : NULL, turned_pose[0], passive_pose,
                 spherical_pose, platform_joint_pose, p_pose, Q_pose, redundant_pose);
@@ -4020,10 +3727,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_passive_joints_of_theta_soa(
             krhpr_pose_store(out[3] + b * out_step[3] + k, row, p_pose, 3);
             krhpr_pose_store(out[4] + b * out_step[4] + k, row, Q_pose, 9);
             krhpr_pose_store(out[5] + b * out_step[5] + k, row, redundant_pose, 3);
-            first = first == KRHPR_OK ? here : first;
-            if (answers != NULL) {
-                answers[k] = here;
-            }
+            first = krhpr_pose_report(here, first, status, b * row + k);
         }
     }
     return first;
@@ -4111,11 +3815,11 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_encoders_2_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes measured_lanes[2];
-        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
+        krhpr_poses_load(measured_lanes, in[1], k * in_step[1], in_step[1], 2, here);
         krhpr_lanes tolerance_lanes[1];
-        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_poses_load(tolerance_lanes, in[2], k * in_step[2], in_step[2], 1, here);
         krhpr_lanes p_lanes[3];
         krhpr_lanes Q_lanes[9];
         krhpr_lanes raw_lanes[9];
@@ -4127,23 +3831,18 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_encoders_2_batch(
         krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
         krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&p_stream);
     krhpr_stream_close(&Q_stream);
     krhpr_stream_close(&raw_stream);
     krhpr_stream_close(&mismatch_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_cpr3_a_forward_encoders_2(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
             out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
             out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -4159,8 +3858,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_encoders_2_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -4189,9 +3886,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_encoders_2_soa(
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 1, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -4279,11 +3974,11 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_encoders_3_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes measured_lanes[3];
-        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 3, here);
+        krhpr_poses_load(measured_lanes, in[1], k * in_step[1], in_step[1], 3, here);
         krhpr_lanes tolerance_lanes[1];
-        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_poses_load(tolerance_lanes, in[2], k * in_step[2], in_step[2], 1, here);
         krhpr_lanes p_lanes[3];
         krhpr_lanes Q_lanes[9];
         krhpr_lanes raw_lanes[9];
@@ -4295,23 +3990,18 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_encoders_3_batch(
         krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
         krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&p_stream);
     krhpr_stream_close(&Q_stream);
     krhpr_stream_close(&raw_stream);
     krhpr_stream_close(&mismatch_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_cpr3_a_forward_encoders_3(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
             out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
             out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -4327,8 +4017,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_encoders_3_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -4357,9 +4045,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_encoders_3_soa(
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -4472,13 +4158,13 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_gauss_newton_2_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes measured_lanes[2];
-        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
+        krhpr_poses_load(measured_lanes, in[1], k * in_step[1], in_step[1], 2, here);
         krhpr_lanes tolerance_lanes[1];
-        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_poses_load(tolerance_lanes, in[2], k * in_step[2], in_step[2], 1, here);
         krhpr_lanes weights_lanes[3];
-        krhpr_poses_load(weights_lanes, in[3] + k * in_step[3], in_step[3], 3, here);
+        krhpr_poses_load(weights_lanes, in[3], k * in_step[3], in_step[3], 3, here);
         krhpr_lanes p_lanes[3];
         krhpr_lanes Q_lanes[9];
         krhpr_lanes raw_lanes[9];
@@ -4490,23 +4176,18 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_gauss_newton_2_batch(
         krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
         krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&p_stream);
     krhpr_stream_close(&Q_stream);
     krhpr_stream_close(&raw_stream);
     krhpr_stream_close(&mismatch_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_cpr3_a_forward_gauss_newton_2(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -4522,8 +4203,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_gauss_newton_2_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -4554,9 +4233,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_gauss_newton_2_soa(
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 1, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -4668,13 +4345,13 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_gauss_newton_3_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes measured_lanes[3];
-        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 3, here);
+        krhpr_poses_load(measured_lanes, in[1], k * in_step[1], in_step[1], 3, here);
         krhpr_lanes tolerance_lanes[1];
-        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_poses_load(tolerance_lanes, in[2], k * in_step[2], in_step[2], 1, here);
         krhpr_lanes weights_lanes[3];
-        krhpr_poses_load(weights_lanes, in[3] + k * in_step[3], in_step[3], 3, here);
+        krhpr_poses_load(weights_lanes, in[3], k * in_step[3], in_step[3], 3, here);
         krhpr_lanes p_lanes[3];
         krhpr_lanes Q_lanes[9];
         krhpr_lanes raw_lanes[9];
@@ -4686,23 +4363,18 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_gauss_newton_3_batch(
         krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
         krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&p_stream);
     krhpr_stream_close(&Q_stream);
     krhpr_stream_close(&raw_stream);
     krhpr_stream_close(&mismatch_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_cpr3_a_forward_gauss_newton_3(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -4718,8 +4390,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_gauss_newton_3_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -4750,9 +4420,7 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_gauss_newton_3_soa(
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;

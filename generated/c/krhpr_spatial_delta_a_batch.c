@@ -47,21 +47,16 @@ KRHPR_API int krhpr_spatial_delta_a_rotation_error_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(Q_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes error_lanes[1];
         const int doubtful = krhpr_spatial_delta_a_rotation_error_lanes(g, Q_lanes, error_lanes, &answer);
         krhpr_stream_put(&error_stream, out[0] + k * out_step[0], out_step[0], error_lanes, 1, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&error_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_a_rotation_error(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -77,8 +72,6 @@ KRHPR_API int krhpr_spatial_delta_a_rotation_error_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -89,9 +82,7 @@ KRHPR_API int krhpr_spatial_delta_a_rotation_error_soa(
             krhpr_lanes_at *const error_lanes = krhpr_poses_out(error_room, error_at, row, here);
             const int doubtful = krhpr_spatial_delta_a_rotation_error_lanes(g, Q_lanes, error_lanes, &answer);
             krhpr_poses_done(error_room, error_at, row, 1, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -141,28 +132,23 @@ KRHPR_API int krhpr_spatial_delta_a_end_points_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes redundant_lanes[3];
-        krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
+        krhpr_poses_load(redundant_lanes, in[2], k * in_step[2], in_step[2], 3, here);
         krhpr_lanes s_lanes[9];
         const int doubtful = krhpr_spatial_delta_a_end_points_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, s_lanes, &answer);
         krhpr_stream_put(&s_stream, out[0] + k * out_step[0], out_step[0], s_lanes, 9, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&s_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_a_end_points(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -178,8 +164,6 @@ KRHPR_API int krhpr_spatial_delta_a_end_points_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -195,9 +179,7 @@ KRHPR_API int krhpr_spatial_delta_a_end_points_soa(
             const int doubtful = krhpr_spatial_delta_a_end_points_lanes(
                 g, p_lanes, Q_lanes, redundant_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 9, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -247,28 +229,23 @@ KRHPR_API int krhpr_spatial_delta_a_redundant_coordinates_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes redundant_lanes[3];
         const int doubtful = krhpr_spatial_delta_a_redundant_coordinates_lanes(
             g, p_lanes, Q_lanes, s_lanes, redundant_lanes, &answer);
         krhpr_stream_put(&redundant_stream, out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&redundant_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_a_redundant_coordinates(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -284,8 +261,6 @@ KRHPR_API int krhpr_spatial_delta_a_redundant_coordinates_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -301,9 +276,7 @@ KRHPR_API int krhpr_spatial_delta_a_redundant_coordinates_soa(
             const int doubtful = krhpr_spatial_delta_a_redundant_coordinates_lanes(
                 g, p_lanes, Q_lanes, s_lanes, redundant_lanes, &answer);
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -362,25 +335,20 @@ KRHPR_API int krhpr_spatial_delta_a_subleg_forward_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(theta_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes s_near_lanes[9];
-        krhpr_poses_load(s_near_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(s_near_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
         const int doubtful = krhpr_spatial_delta_a_subleg_forward_lanes(
             g, theta_lanes, s_near_lanes, s_lanes, &answer);
         krhpr_stream_put(&s_stream, out[0] + k * out_step[0], out_step[0], s_lanes, 9, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&s_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_a_subleg_forward(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -396,8 +364,6 @@ KRHPR_API int krhpr_spatial_delta_a_subleg_forward_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -411,9 +377,7 @@ KRHPR_API int krhpr_spatial_delta_a_subleg_forward_soa(
             const int doubtful = krhpr_spatial_delta_a_subleg_forward_lanes(
                 g, theta_lanes, s_near_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 9, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -472,21 +436,16 @@ KRHPR_API int krhpr_spatial_delta_a_subleg_forward_all_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(theta_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes s_lanes[18];
         const int doubtful = krhpr_spatial_delta_a_subleg_forward_all_lanes(g, theta_lanes, s_lanes, &answer);
         krhpr_stream_put(&s_stream, out[0] + k * out_step[0], out_step[0], s_lanes, 18, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&s_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_a_subleg_forward_all(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -502,8 +461,6 @@ KRHPR_API int krhpr_spatial_delta_a_subleg_forward_all_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -515,9 +472,7 @@ KRHPR_API int krhpr_spatial_delta_a_subleg_forward_all_soa(
             const int doubtful = krhpr_spatial_delta_a_subleg_forward_all_lanes(
                 g, theta_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 18, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -599,21 +554,16 @@ KRHPR_API int krhpr_spatial_delta_a_subleg_inverse_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes theta_lanes[72];
         const int doubtful = krhpr_spatial_delta_a_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
         krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 72, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&theta_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_a_subleg_inverse(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -629,8 +579,6 @@ KRHPR_API int krhpr_spatial_delta_a_subleg_inverse_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -641,9 +589,7 @@ KRHPR_API int krhpr_spatial_delta_a_subleg_inverse_soa(
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
             const int doubtful = krhpr_spatial_delta_a_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 72, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -705,25 +651,20 @@ KRHPR_API int krhpr_spatial_delta_a_subleg_jacobian_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(theta_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes M_lanes[27];
         const int doubtful = krhpr_spatial_delta_a_subleg_jacobian_lanes(
             g, s_lanes, theta_lanes, M_lanes, &answer);
         krhpr_stream_put(&M_stream, out[0] + k * out_step[0], out_step[0], M_lanes, 27, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&M_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_a_subleg_jacobian(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -739,8 +680,6 @@ KRHPR_API int krhpr_spatial_delta_a_subleg_jacobian_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -754,9 +693,7 @@ KRHPR_API int krhpr_spatial_delta_a_subleg_jacobian_soa(
             const int doubtful = krhpr_spatial_delta_a_subleg_jacobian_lanes(
                 g, s_lanes, theta_lanes, M_lanes, &answer);
             krhpr_poses_done(M_room, M_at, row, 27, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -798,28 +735,23 @@ KRHPR_API int krhpr_spatial_delta_a_constraints_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes residual_lanes[6];
         const int doubtful = krhpr_spatial_delta_a_constraints_lanes(
             g, p_lanes, Q_lanes, s_lanes, residual_lanes, &answer);
         krhpr_stream_put(&residual_stream, out[0] + k * out_step[0], out_step[0], residual_lanes, 6, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&residual_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_a_constraints(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -835,8 +767,6 @@ KRHPR_API int krhpr_spatial_delta_a_constraints_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -852,9 +782,7 @@ KRHPR_API int krhpr_spatial_delta_a_constraints_soa(
             const int doubtful = krhpr_spatial_delta_a_constraints_lanes(
                 g, p_lanes, Q_lanes, s_lanes, residual_lanes, &answer);
             krhpr_poses_done(residual_room, residual_at, row, 6, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -931,33 +859,28 @@ KRHPR_API int krhpr_spatial_delta_a_jacobians_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes J_lanes[36];
         krhpr_lanes K_lanes[54];
         const int doubtful = krhpr_spatial_delta_a_jacobians_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 36, here);
         krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 54, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&J_stream);
     krhpr_stream_close(&K_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_a_jacobians(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -973,8 +896,6 @@ KRHPR_API int krhpr_spatial_delta_a_jacobians_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -996,9 +917,7 @@ KRHPR_API int krhpr_spatial_delta_a_jacobians_soa(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 36, here);
             krhpr_poses_done(K_room, K_at, row, 54, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1066,33 +985,28 @@ KRHPR_API int krhpr_spatial_delta_a_jacobian_blocks_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes J_lanes[36];
         krhpr_lanes K_lanes[18];
         const int doubtful = krhpr_spatial_delta_a_jacobian_blocks_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 36, here);
         krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 18, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&J_stream);
     krhpr_stream_close(&K_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_a_jacobian_blocks(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1108,8 +1022,6 @@ KRHPR_API int krhpr_spatial_delta_a_jacobian_blocks_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1131,9 +1043,7 @@ KRHPR_API int krhpr_spatial_delta_a_jacobian_blocks_soa(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 36, here);
             krhpr_poses_done(K_room, K_at, row, 18, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1218,33 +1128,28 @@ KRHPR_API int krhpr_spatial_delta_a_jacobians_n_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes J_lanes[81];
         krhpr_lanes K_lanes[81];
         const int doubtful = krhpr_spatial_delta_a_jacobians_n_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 81, here);
         krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 81, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&J_stream);
     krhpr_stream_close(&K_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_a_jacobians_n(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1260,8 +1165,6 @@ KRHPR_API int krhpr_spatial_delta_a_jacobians_n_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1283,9 +1186,7 @@ KRHPR_API int krhpr_spatial_delta_a_jacobians_n_soa(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 81, here);
             krhpr_poses_done(K_room, K_at, row, 81, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1352,7 +1253,7 @@ KRHPR_API int krhpr_spatial_delta_a_inverse_batch(
     const ptrdiff_t together = krhpr_poses_together(count);
     krhpr_lanes mode_lanes[9];
     if (in[3] == NULL) {
-        krhpr_poses_load(mode_lanes, mode_default, 0, 9, KRHPR_LANES);
+        krhpr_poses_load(mode_lanes, mode_default, 0, 0, 9, KRHPR_LANES);
     }
     krhpr_lanes theta_room[KRHPR_ROOM(9)];
     krhpr_stream theta_stream = krhpr_stream_open(theta_room, out[0], out_step[0], 9, count);
@@ -1360,31 +1261,24 @@ KRHPR_API int krhpr_spatial_delta_a_inverse_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes redundant_lanes[3];
-        krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
-        if (in[3] != NULL) {
-            krhpr_poses_load(mode_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
-        }
+        krhpr_poses_load(redundant_lanes, in[2], k * in_step[2], in_step[2], 3, here);
+        krhpr_poses_load(mode_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes theta_lanes[9];
         const int doubtful = krhpr_spatial_delta_a_inverse_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, mode_lanes, theta_lanes, &answer);
         krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 9, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&theta_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_a_inverse(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] ? in[3] + k * in_step[3] : NULL, out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1396,7 +1290,7 @@ KRHPR_API int krhpr_spatial_delta_a_inverse_soa(
 {
     krhpr_lanes mode_room[9];
     if (in[3] == NULL) {
-        krhpr_poses_load(mode_room, mode_default, 0, 9, KRHPR_LANES);
+        krhpr_poses_load(mode_room, mode_default, 0, 0, 9, KRHPR_LANES);
     }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
@@ -1404,8 +1298,6 @@ KRHPR_API int krhpr_spatial_delta_a_inverse_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1415,19 +1307,14 @@ KRHPR_API int krhpr_spatial_delta_a_inverse_soa(
             const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
             krhpr_lanes redundant_room[3];
             const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
-            const krhpr_lanes_at *mode_lanes = mode_room;
-            if (in[3] != NULL) {
-                mode_lanes = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 9, here);
-            }
+            const krhpr_lanes_at *const mode_lanes = krhpr_poses_given(mode_room, in[3], b * in_step[3] + k, row, 9, here);
             krhpr_lanes theta_room[9];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
             const int doubtful = krhpr_spatial_delta_a_inverse_lanes(
                 g, p_lanes, Q_lanes, redundant_lanes, mode_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 9, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1517,28 +1404,23 @@ KRHPR_API int krhpr_spatial_delta_a_inverse_all_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes redundant_lanes[3];
-        krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
+        krhpr_poses_load(redundant_lanes, in[2], k * in_step[2], in_step[2], 3, here);
         krhpr_lanes theta_lanes[72];
         const int doubtful = krhpr_spatial_delta_a_inverse_all_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, theta_lanes, &answer);
         krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 72, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&theta_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_a_inverse_all(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1554,8 +1436,6 @@ KRHPR_API int krhpr_spatial_delta_a_inverse_all_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1571,9 +1451,7 @@ KRHPR_API int krhpr_spatial_delta_a_inverse_all_soa(
             const int doubtful = krhpr_spatial_delta_a_inverse_all_lanes(
                 g, p_lanes, Q_lanes, redundant_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 72, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1586,14 +1464,11 @@ KRHPR_API int krhpr_spatial_delta_a_inverse_near_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_a_inverse_near(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1609,25 +1484,20 @@ KRHPR_API int krhpr_spatial_delta_a_inverse_near_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; ++k) {
             double p_pose[3];
             double Q_pose[9];
             double redundant_pose[3];
             double theta_near_pose[9];
             double theta_pose[9];
-            krhpr_pose_load(p_pose, in[0] + b * in_step[0] + k, row, 3);
-            krhpr_pose_load(Q_pose, in[1] + b * in_step[1] + k, row, 9);
-            krhpr_pose_load(redundant_pose, in[2] + b * in_step[2] + k, row, 3);
-            krhpr_pose_load(theta_near_pose, in[3] + b * in_step[3] + k, row, 9);
+            krhpr_pose_load(p_pose, in[0], b * in_step[0] + k, row, 3);
+            krhpr_pose_load(Q_pose, in[1], b * in_step[1] + k, row, 9);
+            krhpr_pose_load(redundant_pose, in[2], b * in_step[2] + k, row, 3);
+            krhpr_pose_load(theta_near_pose, in[3], b * in_step[3] + k, row, 9);
             const int here = krhpr_spatial_delta_a_inverse_near(
                 g, p_pose, Q_pose, redundant_pose, theta_near_pose, theta_pose);
             krhpr_pose_store(out[0] + b * out_step[0] + k, row, theta_pose, 9);
-            first = first == KRHPR_OK ? here : first;
-            if (answers != NULL) {
-                answers[k] = here;
-            }
+            first = krhpr_pose_report(here, first, status, b * row + k);
         }
     }
     return first;
@@ -1682,7 +1552,7 @@ KRHPR_API int krhpr_spatial_delta_a_inverse_status_batch(
     const ptrdiff_t together = krhpr_poses_together(count);
     krhpr_lanes mode_lanes[9];
     if (in[3] == NULL) {
-        krhpr_poses_load(mode_lanes, mode_default, 0, 9, KRHPR_LANES);
+        krhpr_poses_load(mode_lanes, mode_default, 0, 0, 9, KRHPR_LANES);
     }
     krhpr_lanes excess_room[KRHPR_ROOM(3)];
     krhpr_stream excess_stream = krhpr_stream_open(excess_room, out[0], out_step[0], 3, count);
@@ -1690,31 +1560,24 @@ KRHPR_API int krhpr_spatial_delta_a_inverse_status_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes redundant_lanes[3];
-        krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
-        if (in[3] != NULL) {
-            krhpr_poses_load(mode_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
-        }
+        krhpr_poses_load(redundant_lanes, in[2], k * in_step[2], in_step[2], 3, here);
+        krhpr_poses_load(mode_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes excess_lanes[3];
         const int doubtful = krhpr_spatial_delta_a_inverse_status_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, mode_lanes, excess_lanes, &answer);
         krhpr_stream_put(&excess_stream, out[0] + k * out_step[0], out_step[0], excess_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&excess_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_a_inverse_status(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] ? in[3] + k * in_step[3] : NULL, out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1726,7 +1589,7 @@ KRHPR_API int krhpr_spatial_delta_a_inverse_status_soa(
 {
     krhpr_lanes mode_room[9];
     if (in[3] == NULL) {
-        krhpr_poses_load(mode_room, mode_default, 0, 9, KRHPR_LANES);
+        krhpr_poses_load(mode_room, mode_default, 0, 0, 9, KRHPR_LANES);
     }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
@@ -1734,8 +1597,6 @@ KRHPR_API int krhpr_spatial_delta_a_inverse_status_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1745,19 +1606,14 @@ KRHPR_API int krhpr_spatial_delta_a_inverse_status_soa(
             const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
             krhpr_lanes redundant_room[3];
             const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
-            const krhpr_lanes_at *mode_lanes = mode_room;
-            if (in[3] != NULL) {
-                mode_lanes = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 9, here);
-            }
+            const krhpr_lanes_at *const mode_lanes = krhpr_poses_given(mode_room, in[3], b * in_step[3] + k, row, 9, here);
             krhpr_lanes excess_room[3];
             double *const excess_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const excess_lanes = krhpr_poses_out(excess_room, excess_at, row, here);
             const int doubtful = krhpr_spatial_delta_a_inverse_status_lanes(
                 g, p_lanes, Q_lanes, redundant_lanes, mode_lanes, excess_lanes, &answer);
             krhpr_poses_done(excess_room, excess_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1837,32 +1693,27 @@ KRHPR_API int krhpr_spatial_delta_a_twist_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes theta_dot_lanes[9];
-        krhpr_poses_load(theta_dot_lanes, in[4] + k * in_step[4], in_step[4], 9, here);
+        krhpr_poses_load(theta_dot_lanes, in[4], k * in_step[4], in_step[4], 9, here);
         krhpr_lanes twist_lanes[6];
         const int doubtful = krhpr_spatial_delta_a_twist_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
         krhpr_stream_put(&twist_stream, out[0] + k * out_step[0], out_step[0], twist_lanes, 6, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&twist_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_a_twist(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1878,8 +1729,6 @@ KRHPR_API int krhpr_spatial_delta_a_twist_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1899,9 +1748,7 @@ KRHPR_API int krhpr_spatial_delta_a_twist_soa(
             const int doubtful = krhpr_spatial_delta_a_twist_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
             krhpr_poses_done(twist_room, twist_at, row, 6, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1968,35 +1815,30 @@ KRHPR_API int krhpr_spatial_delta_a_joint_rates_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes twist_lanes[6];
-        krhpr_poses_load(twist_lanes, in[4] + k * in_step[4], in_step[4], 6, here);
+        krhpr_poses_load(twist_lanes, in[4], k * in_step[4], in_step[4], 6, here);
         krhpr_lanes redundant_rates_lanes[3];
-        krhpr_poses_load(redundant_rates_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
+        krhpr_poses_load(redundant_rates_lanes, in[5], k * in_step[5], in_step[5], 3, here);
         krhpr_lanes theta_dot_lanes[9];
         const int doubtful = krhpr_spatial_delta_a_joint_rates_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes, theta_dot_lanes,
             &answer);
         krhpr_stream_put(&theta_dot_stream, out[0] + k * out_step[0], out_step[0], theta_dot_lanes, 9, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&theta_dot_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_a_joint_rates(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2012,8 +1854,6 @@ KRHPR_API int krhpr_spatial_delta_a_joint_rates_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2036,9 +1876,7 @@ KRHPR_API int krhpr_spatial_delta_a_joint_rates_soa(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
                 theta_dot_lanes, &answer);
             krhpr_poses_done(theta_dot_room, theta_dot_at, row, 9, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2128,38 +1966,33 @@ KRHPR_API int krhpr_spatial_delta_a_platform_acceleration_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes twist_lanes[6];
-        krhpr_poses_load(twist_lanes, in[4] + k * in_step[4], in_step[4], 6, here);
+        krhpr_poses_load(twist_lanes, in[4], k * in_step[4], in_step[4], 6, here);
         krhpr_lanes theta_dot_lanes[9];
-        krhpr_poses_load(theta_dot_lanes, in[5] + k * in_step[5], in_step[5], 9, here);
+        krhpr_poses_load(theta_dot_lanes, in[5], k * in_step[5], in_step[5], 9, here);
         krhpr_lanes theta_ddot_lanes[9];
-        krhpr_poses_load(theta_ddot_lanes, in[6] + k * in_step[6], in_step[6], 9, here);
+        krhpr_poses_load(theta_ddot_lanes, in[6], k * in_step[6], in_step[6], 9, here);
         krhpr_lanes twist_rate_lanes[6];
         const int doubtful = krhpr_spatial_delta_a_platform_acceleration_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
             twist_rate_lanes, &answer);
         krhpr_stream_put(&twist_rate_stream, out[0] + k * out_step[0], out_step[0], twist_rate_lanes, 6, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&twist_rate_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_a_platform_acceleration(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2175,8 +2008,6 @@ KRHPR_API int krhpr_spatial_delta_a_platform_acceleration_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2201,9 +2032,7 @@ KRHPR_API int krhpr_spatial_delta_a_platform_acceleration_soa(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
                 twist_rate_lanes, &answer);
             krhpr_poses_done(twist_rate_room, twist_rate_at, row, 6, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2287,42 +2116,37 @@ KRHPR_API int krhpr_spatial_delta_a_joint_accelerations_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes twist_lanes[6];
-        krhpr_poses_load(twist_lanes, in[4] + k * in_step[4], in_step[4], 6, here);
+        krhpr_poses_load(twist_lanes, in[4], k * in_step[4], in_step[4], 6, here);
         krhpr_lanes redundant_rates_lanes[3];
-        krhpr_poses_load(redundant_rates_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
+        krhpr_poses_load(redundant_rates_lanes, in[5], k * in_step[5], in_step[5], 3, here);
         krhpr_lanes theta_dot_lanes[9];
-        krhpr_poses_load(theta_dot_lanes, in[6] + k * in_step[6], in_step[6], 9, here);
+        krhpr_poses_load(theta_dot_lanes, in[6], k * in_step[6], in_step[6], 9, here);
         krhpr_lanes twist_rate_lanes[6];
-        krhpr_poses_load(twist_rate_lanes, in[7] + k * in_step[7], in_step[7], 6, here);
+        krhpr_poses_load(twist_rate_lanes, in[7], k * in_step[7], in_step[7], 6, here);
         krhpr_lanes redundant_accelerations_lanes[3];
-        krhpr_poses_load(redundant_accelerations_lanes, in[8] + k * in_step[8], in_step[8], 3, here);
+        krhpr_poses_load(redundant_accelerations_lanes, in[8], k * in_step[8], in_step[8], 3, here);
         krhpr_lanes theta_ddot_lanes[9];
         const int doubtful = krhpr_spatial_delta_a_joint_accelerations_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes, theta_dot_lanes,
             twist_rate_lanes, redundant_accelerations_lanes, theta_ddot_lanes, &answer);
         krhpr_stream_put(&theta_ddot_stream, out[0] + k * out_step[0], out_step[0], theta_ddot_lanes, 9, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&theta_ddot_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_a_joint_accelerations(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
             in[7] + k * in_step[7], in[8] + k * in_step[8], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2338,8 +2162,6 @@ KRHPR_API int krhpr_spatial_delta_a_joint_accelerations_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2368,9 +2190,7 @@ KRHPR_API int krhpr_spatial_delta_a_joint_accelerations_soa(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
                 theta_dot_lanes, twist_rate_lanes, redundant_accelerations_lanes, theta_ddot_lanes, &answer);
             krhpr_poses_done(theta_ddot_room, theta_ddot_at, row, 9, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2456,35 +2276,30 @@ KRHPR_API int krhpr_spatial_delta_a_inverse_statics_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes wrench_lanes[6];
-        krhpr_poses_load(wrench_lanes, in[4] + k * in_step[4], in_step[4], 6, here);
+        krhpr_poses_load(wrench_lanes, in[4], k * in_step[4], in_step[4], 6, here);
         krhpr_lanes redundant_forces_lanes[3];
-        krhpr_poses_load(redundant_forces_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
+        krhpr_poses_load(redundant_forces_lanes, in[5], k * in_step[5], in_step[5], 3, here);
         krhpr_lanes actuator_forces_lanes[9];
         const int doubtful = krhpr_spatial_delta_a_inverse_statics_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, wrench_lanes, redundant_forces_lanes,
             actuator_forces_lanes, &answer);
         krhpr_stream_put(&actuator_forces_stream, out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 9, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&actuator_forces_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_a_inverse_statics(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2500,8 +2315,6 @@ KRHPR_API int krhpr_spatial_delta_a_inverse_statics_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2524,9 +2337,7 @@ KRHPR_API int krhpr_spatial_delta_a_inverse_statics_soa(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, wrench_lanes, redundant_forces_lanes,
                 actuator_forces_lanes, &answer);
             krhpr_poses_done(actuator_forces_room, actuator_forces_at, row, 9, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2602,15 +2413,15 @@ KRHPR_API int krhpr_spatial_delta_a_forward_statics_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes actuator_forces_lanes[9];
-        krhpr_poses_load(actuator_forces_lanes, in[4] + k * in_step[4], in_step[4], 9, here);
+        krhpr_poses_load(actuator_forces_lanes, in[4], k * in_step[4], in_step[4], 9, here);
         krhpr_lanes wrench_lanes[6];
         krhpr_lanes redundant_forces_lanes[3];
         const int doubtful = krhpr_spatial_delta_a_forward_statics_lanes(
@@ -2618,21 +2429,16 @@ KRHPR_API int krhpr_spatial_delta_a_forward_statics_batch(
             redundant_forces_lanes, &answer);
         krhpr_stream_put(&wrench_stream, out[0] + k * out_step[0], out_step[0], wrench_lanes, 6, here);
         krhpr_stream_put(&redundant_forces_stream, out[1] + k * out_step[1], out_step[1], redundant_forces_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&wrench_stream);
     krhpr_stream_close(&redundant_forces_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_a_forward_statics(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], out[0] + k * out_step[0],
             out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2648,8 +2454,6 @@ KRHPR_API int krhpr_spatial_delta_a_forward_statics_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2674,9 +2478,7 @@ KRHPR_API int krhpr_spatial_delta_a_forward_statics_soa(
                 redundant_forces_lanes, &answer);
             krhpr_poses_done(wrench_room, wrench_at, row, 6, here);
             krhpr_poses_done(redundant_forces_room, redundant_forces_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2755,13 +2557,13 @@ KRHPR_API int krhpr_spatial_delta_a_passive_joints_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes passive_lanes[18];
         krhpr_lanes spherical_lanes[27];
         krhpr_lanes platform_joint_lanes[3];
@@ -2771,22 +2573,17 @@ KRHPR_API int krhpr_spatial_delta_a_passive_joints_batch(
         krhpr_stream_put(&passive_stream, out[0] + k * out_step[0], out_step[0], passive_lanes, 18, here);
         krhpr_stream_put(&spherical_stream, out[1] + k * out_step[1], out_step[1], spherical_lanes, 27, here);
         krhpr_stream_put(&platform_joint_stream, out[2] + k * out_step[2], out_step[2], platform_joint_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&passive_stream);
     krhpr_stream_close(&spherical_stream);
     krhpr_stream_close(&platform_joint_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_a_passive_joints(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2802,8 +2599,6 @@ KRHPR_API int krhpr_spatial_delta_a_passive_joints_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2830,9 +2625,7 @@ KRHPR_API int krhpr_spatial_delta_a_passive_joints_soa(
             krhpr_poses_done(passive_room, passive_at, row, 18, here);
             krhpr_poses_done(spherical_room, spherical_at, row, 27, here);
             krhpr_poses_done(platform_joint_room, platform_joint_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2890,33 +2683,28 @@ KRHPR_API int krhpr_spatial_delta_a_link_points_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes points_lanes[63];
         krhpr_lanes attachment_lanes[9];
         const int doubtful = krhpr_spatial_delta_a_link_points_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
         krhpr_stream_put(&points_stream, out[0] + k * out_step[0], out_step[0], points_lanes, 63, here);
         krhpr_stream_put(&attachment_stream, out[1] + k * out_step[1], out_step[1], attachment_lanes, 9, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&points_stream);
     krhpr_stream_close(&attachment_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_a_link_points(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2932,8 +2720,6 @@ KRHPR_API int krhpr_spatial_delta_a_link_points_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2955,9 +2741,7 @@ KRHPR_API int krhpr_spatial_delta_a_link_points_soa(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
             krhpr_poses_done(points_room, points_at, row, 63, here);
             krhpr_poses_done(attachment_room, attachment_at, row, 9, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -3066,30 +2850,25 @@ KRHPR_API int krhpr_spatial_delta_a_clearances_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes distances_lanes[240];
         const int doubtful = krhpr_spatial_delta_a_clearances_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, distances_lanes, &answer);
         krhpr_stream_put(&distances_stream, out[0] + k * out_step[0], out_step[0], distances_lanes, 240, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&distances_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_a_clearances(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3105,8 +2884,6 @@ KRHPR_API int krhpr_spatial_delta_a_clearances_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -3124,9 +2901,7 @@ KRHPR_API int krhpr_spatial_delta_a_clearances_soa(
             const int doubtful = krhpr_spatial_delta_a_clearances_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, distances_lanes, &answer);
             krhpr_poses_done(distances_room, distances_at, row, 240, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -3197,13 +2972,13 @@ KRHPR_API int krhpr_spatial_delta_a_singularity_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes type_1_lanes[3];
         krhpr_lanes factors_lanes[12];
         krhpr_lanes type_2_lanes[2];
@@ -3215,23 +2990,18 @@ KRHPR_API int krhpr_spatial_delta_a_singularity_batch(
         krhpr_stream_put(&factors_stream, out[1] + k * out_step[1], out_step[1], factors_lanes, 12, here);
         krhpr_stream_put(&type_2_stream, out[2] + k * out_step[2], out_step[2], type_2_lanes, 2, here);
         krhpr_stream_put(&margins_stream, out[3] + k * out_step[3], out_step[3], margins_lanes, 2, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&type_1_stream);
     krhpr_stream_close(&factors_stream);
     krhpr_stream_close(&type_2_stream);
     krhpr_stream_close(&margins_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_a_singularity(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3247,8 +3017,6 @@ KRHPR_API int krhpr_spatial_delta_a_singularity_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -3279,9 +3047,7 @@ KRHPR_API int krhpr_spatial_delta_a_singularity_soa(
             krhpr_poses_done(factors_room, factors_at, row, 12, here);
             krhpr_poses_done(type_2_room, type_2_at, row, 2, here);
             krhpr_poses_done(margins_room, margins_at, row, 2, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -3338,26 +3104,21 @@ KRHPR_API int krhpr_spatial_delta_a_type_2_of_redundant_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes redundant_lanes[3];
-        krhpr_poses_load(redundant_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(redundant_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes type_2_lanes[2];
         krhpr_lanes margins_lanes[2];
         const int doubtful = krhpr_spatial_delta_a_type_2_of_redundant_lanes(
             g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
         krhpr_stream_put(&type_2_stream, out[0] + k * out_step[0], out_step[0], type_2_lanes, 2, here);
         krhpr_stream_put(&margins_stream, out[1] + k * out_step[1], out_step[1], margins_lanes, 2, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&type_2_stream);
     krhpr_stream_close(&margins_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_a_type_2_of_redundant(
             g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3373,8 +3134,6 @@ KRHPR_API int krhpr_spatial_delta_a_type_2_of_redundant_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -3390,9 +3149,7 @@ KRHPR_API int krhpr_spatial_delta_a_type_2_of_redundant_soa(
                 g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
             krhpr_poses_done(type_2_room, type_2_at, row, 2, here);
             krhpr_poses_done(margins_room, margins_at, row, 2, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -3498,13 +3255,13 @@ KRHPR_API int krhpr_spatial_delta_a_indices_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes eta_1_lanes[1];
         krhpr_lanes eta_2_lanes[1];
         krhpr_lanes eta_3_lanes[1];
@@ -3516,23 +3273,18 @@ KRHPR_API int krhpr_spatial_delta_a_indices_batch(
         krhpr_stream_put(&eta_2_stream, out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
         krhpr_stream_put(&eta_3_stream, out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
         krhpr_stream_put(&condition_stream, out[3] + k * out_step[3], out_step[3], condition_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&eta_1_stream);
     krhpr_stream_close(&eta_2_stream);
     krhpr_stream_close(&eta_3_stream);
     krhpr_stream_close(&condition_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_a_indices(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3548,8 +3300,6 @@ KRHPR_API int krhpr_spatial_delta_a_indices_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -3580,9 +3330,7 @@ KRHPR_API int krhpr_spatial_delta_a_indices_soa(
             krhpr_poses_done(eta_2_room, eta_2_at, row, 1, here);
             krhpr_poses_done(eta_3_room, eta_3_at, row, 1, here);
             krhpr_poses_done(condition_room, condition_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -3684,13 +3432,13 @@ KRHPR_API int krhpr_spatial_delta_a_index_bounds_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes eta_1_lanes[1];
         krhpr_lanes eta_2_lanes[1];
         krhpr_lanes eta_3_lanes[1];
@@ -3699,22 +3447,17 @@ KRHPR_API int krhpr_spatial_delta_a_index_bounds_batch(
         krhpr_stream_put(&eta_1_stream, out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
         krhpr_stream_put(&eta_2_stream, out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
         krhpr_stream_put(&eta_3_stream, out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&eta_1_stream);
     krhpr_stream_close(&eta_2_stream);
     krhpr_stream_close(&eta_3_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_a_index_bounds(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3730,8 +3473,6 @@ KRHPR_API int krhpr_spatial_delta_a_index_bounds_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -3757,9 +3498,7 @@ KRHPR_API int krhpr_spatial_delta_a_index_bounds_soa(
             krhpr_poses_done(eta_1_room, eta_1_at, row, 1, here);
             krhpr_poses_done(eta_2_room, eta_2_at, row, 1, here);
             krhpr_poses_done(eta_3_room, eta_3_at, row, 1, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -3772,15 +3511,12 @@ KRHPR_API int krhpr_spatial_delta_a_forward_all_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_a_forward_all(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), out[0] + k * out_step[0],
             out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3],
             out[4] + k * out_step[4], out[5] + k * out_step[5]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3796,8 +3532,6 @@ KRHPR_API int krhpr_spatial_delta_a_forward_all_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; ++k) {
             double s_pose[9];
             double turned_pose[1];
@@ -3807,8 +3541,8 @@ KRHPR_API int krhpr_spatial_delta_a_forward_all_soa(
             double det_J_pose[6];
             double count_pose[1];
             double doubtful_pose[1];
-            krhpr_pose_load(s_pose, in[0] + b * in_step[0] + k, row, 9);
-            krhpr_pose_load(turned_pose, in[1] + b * in_step[1] + k, row, 1);
+            krhpr_pose_load(s_pose, in[0], b * in_step[0] + k, row, 9);
+            krhpr_pose_load(turned_pose, in[1], b * in_step[1] + k, row, 1);
             const int here = krhpr_spatial_delta_a_forward_all(
                 g, s_pose, turned_pose[0], p_pose, Q_pose, redundant_pose, det_J_pose, count_pose,
                 doubtful_pose);
@@ -3818,10 +3552,7 @@ KRHPR_API int krhpr_spatial_delta_a_forward_all_soa(
             krhpr_pose_store(out[3] + b * out_step[3] + k, row, det_J_pose, 6);
             krhpr_pose_store(out[4] + b * out_step[4] + k, row, count_pose, 1);
             krhpr_pose_store(out[5] + b * out_step[5] + k, row, doubtful_pose, 1);
-            first = first == KRHPR_OK ? here : first;
-            if (answers != NULL) {
-                answers[k] = here;
-            }
+            first = krhpr_pose_report(here, first, status, b * row + k);
         }
     }
     return first;
@@ -3834,15 +3565,12 @@ KRHPR_API int krhpr_spatial_delta_a_forward_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_a_forward(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] ? in[2] + k * in_step[2] : NULL,
             *(in[3] + k * in_step[3]), out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2], out[3] + k * out_step[3], out[4] + k * out_step[4]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3858,8 +3586,6 @@ KRHPR_API int krhpr_spatial_delta_a_forward_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; ++k) {
             double theta_pose[9];
             double s_near_pose[9];
@@ -3870,12 +3596,10 @@ KRHPR_API int krhpr_spatial_delta_a_forward_soa(
             double redundant_pose[3];
             double count_pose[1];
             double certified_pose[1];
-            krhpr_pose_load(theta_pose, in[0] + b * in_step[0] + k, row, 9);
-            krhpr_pose_load(s_near_pose, in[1] + b * in_step[1] + k, row, 9);
-            if (in[2] != NULL) {
-                krhpr_pose_load(box_pose, in[2] + b * in_step[2] + k, row, 6);
-            }
-            krhpr_pose_load(turned_pose, in[3] + b * in_step[3] + k, row, 1);
+            krhpr_pose_load(theta_pose, in[0], b * in_step[0] + k, row, 9);
+            krhpr_pose_load(s_near_pose, in[1], b * in_step[1] + k, row, 9);
+            krhpr_pose_load(box_pose, in[2], b * in_step[2] + k, row, 6);
+            krhpr_pose_load(turned_pose, in[3], b * in_step[3] + k, row, 1);
             const int here = krhpr_spatial_delta_a_forward(
                 g, theta_pose, s_near_pose, in[2] ? box_pose : NULL, turned_pose[0], p_pose, Q_pose,
                 redundant_pose, count_pose, certified_pose);
@@ -3884,10 +3608,7 @@ KRHPR_API int krhpr_spatial_delta_a_forward_soa(
             krhpr_pose_store(out[2] + b * out_step[2] + k, row, redundant_pose, 3);
             krhpr_pose_store(out[3] + b * out_step[3] + k, row, count_pose, 1);
             krhpr_pose_store(out[4] + b * out_step[4] + k, row, certified_pose, 1);
-            first = first == KRHPR_OK ? here : first;
-            if (answers != NULL) {
-                answers[k] = here;
-            }
+            first = krhpr_pose_report(here, first, status, b * row + k);
         }
     }
     return first;
@@ -3996,11 +3717,11 @@ KRHPR_API int krhpr_spatial_delta_a_forward_newton_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes p_near_lanes[3];
-        krhpr_poses_load(p_near_lanes, in[1] + k * in_step[1], in_step[1], 3, here);
+        krhpr_poses_load(p_near_lanes, in[1], k * in_step[1], in_step[1], 3, here);
         krhpr_lanes Q_near_lanes[9];
-        krhpr_poses_load(Q_near_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(Q_near_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes p_lanes[3];
         krhpr_lanes Q_lanes[9];
         krhpr_lanes redundant_lanes[3];
@@ -4012,23 +3733,18 @@ KRHPR_API int krhpr_spatial_delta_a_forward_newton_batch(
         krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_stream_put(&redundant_stream, out[2] + k * out_step[2], out_step[2], redundant_lanes, 3, here);
         krhpr_stream_put(&kantorovich_stream, out[3] + k * out_step[3], out_step[3], kantorovich_lanes, 1, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&p_stream);
     krhpr_stream_close(&Q_stream);
     krhpr_stream_close(&redundant_stream);
     krhpr_stream_close(&kantorovich_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_a_forward_newton(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
             out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -4044,8 +3760,6 @@ KRHPR_API int krhpr_spatial_delta_a_forward_newton_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -4074,9 +3788,7 @@ KRHPR_API int krhpr_spatial_delta_a_forward_newton_soa(
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
             krhpr_poses_done(kantorovich_room, kantorovich_at, row, 1, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -4151,11 +3863,11 @@ KRHPR_API int krhpr_spatial_delta_a_forward_encoders_1_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes measured_lanes[1];
-        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(measured_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes tolerance_lanes[1];
-        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_poses_load(tolerance_lanes, in[2], k * in_step[2], in_step[2], 1, here);
         krhpr_lanes p_lanes[6];
         krhpr_lanes Q_lanes[18];
         krhpr_lanes mismatch_lanes[2];
@@ -4164,21 +3876,16 @@ KRHPR_API int krhpr_spatial_delta_a_forward_encoders_1_batch(
         krhpr_stream_put(&p_stream, out[0] + k * out_step[0], out_step[0], p_lanes, 6, here);
         krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 18, here);
         krhpr_stream_put(&mismatch_stream, out[2] + k * out_step[2], out_step[2], mismatch_lanes, 2, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&p_stream);
     krhpr_stream_close(&Q_stream);
     krhpr_stream_close(&mismatch_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_a_forward_encoders_1(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
             out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -4194,8 +3901,6 @@ KRHPR_API int krhpr_spatial_delta_a_forward_encoders_1_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -4219,9 +3924,7 @@ KRHPR_API int krhpr_spatial_delta_a_forward_encoders_1_soa(
             krhpr_poses_done(p_room, p_at, row, 6, here);
             krhpr_poses_done(Q_room, Q_at, row, 18, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 2, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -4234,16 +3937,13 @@ KRHPR_API int krhpr_spatial_delta_a_passive_joints_of_theta_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_a_passive_joints_of_theta(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] ? in[2] + k * in_step[2] : NULL,
             *(in[3] + k * in_step[3]), out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2], out[3] + k * out_step[3], out[4] + k * out_step[4],
             out[5] + k * out_step[5]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -4259,8 +3959,6 @@ KRHPR_API int krhpr_spatial_delta_a_passive_joints_of_theta_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; ++k) {
             double theta_pose[9];
             double s_near_pose[9];
@@ -4272,12 +3970,10 @@ KRHPR_API int krhpr_spatial_delta_a_passive_joints_of_theta_soa(
             double p_pose[3];
             double Q_pose[9];
             double redundant_pose[3];
-            krhpr_pose_load(theta_pose, in[0] + b * in_step[0] + k, row, 9);
-            krhpr_pose_load(s_near_pose, in[1] + b * in_step[1] + k, row, 9);
-            if (in[2] != NULL) {
-                krhpr_pose_load(box_pose, in[2] + b * in_step[2] + k, row, 6);
-            }
-            krhpr_pose_load(turned_pose, in[3] + b * in_step[3] + k, row, 1);
+            krhpr_pose_load(theta_pose, in[0], b * in_step[0] + k, row, 9);
+            krhpr_pose_load(s_near_pose, in[1], b * in_step[1] + k, row, 9);
+            krhpr_pose_load(box_pose, in[2], b * in_step[2] + k, row, 6);
+            krhpr_pose_load(turned_pose, in[3], b * in_step[3] + k, row, 1);
             const int here = krhpr_spatial_delta_a_passive_joints_of_theta(
                 g, theta_pose, s_near_pose, in[2] ? box_pose : NULL, turned_pose[0], passive_pose,
                 spherical_pose, platform_joint_pose, p_pose, Q_pose, redundant_pose);
@@ -4287,10 +3983,7 @@ KRHPR_API int krhpr_spatial_delta_a_passive_joints_of_theta_soa(
             krhpr_pose_store(out[3] + b * out_step[3] + k, row, p_pose, 3);
             krhpr_pose_store(out[4] + b * out_step[4] + k, row, Q_pose, 9);
             krhpr_pose_store(out[5] + b * out_step[5] + k, row, redundant_pose, 3);
-            first = first == KRHPR_OK ? here : first;
-            if (answers != NULL) {
-                answers[k] = here;
-            }
+            first = krhpr_pose_report(here, first, status, b * row + k);
         }
     }
     return first;
@@ -4378,11 +4071,11 @@ KRHPR_API int krhpr_spatial_delta_a_forward_encoders_2_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes measured_lanes[2];
-        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
+        krhpr_poses_load(measured_lanes, in[1], k * in_step[1], in_step[1], 2, here);
         krhpr_lanes tolerance_lanes[1];
-        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_poses_load(tolerance_lanes, in[2], k * in_step[2], in_step[2], 1, here);
         krhpr_lanes p_lanes[3];
         krhpr_lanes Q_lanes[9];
         krhpr_lanes raw_lanes[9];
@@ -4394,23 +4087,18 @@ KRHPR_API int krhpr_spatial_delta_a_forward_encoders_2_batch(
         krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
         krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&p_stream);
     krhpr_stream_close(&Q_stream);
     krhpr_stream_close(&raw_stream);
     krhpr_stream_close(&mismatch_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_a_forward_encoders_2(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
             out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
             out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -4426,8 +4114,6 @@ KRHPR_API int krhpr_spatial_delta_a_forward_encoders_2_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -4456,9 +4142,7 @@ KRHPR_API int krhpr_spatial_delta_a_forward_encoders_2_soa(
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 1, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -4546,11 +4230,11 @@ KRHPR_API int krhpr_spatial_delta_a_forward_encoders_3_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes measured_lanes[3];
-        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 3, here);
+        krhpr_poses_load(measured_lanes, in[1], k * in_step[1], in_step[1], 3, here);
         krhpr_lanes tolerance_lanes[1];
-        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_poses_load(tolerance_lanes, in[2], k * in_step[2], in_step[2], 1, here);
         krhpr_lanes p_lanes[3];
         krhpr_lanes Q_lanes[9];
         krhpr_lanes raw_lanes[9];
@@ -4562,23 +4246,18 @@ KRHPR_API int krhpr_spatial_delta_a_forward_encoders_3_batch(
         krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
         krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&p_stream);
     krhpr_stream_close(&Q_stream);
     krhpr_stream_close(&raw_stream);
     krhpr_stream_close(&mismatch_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_a_forward_encoders_3(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
             out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
             out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -4594,8 +4273,6 @@ KRHPR_API int krhpr_spatial_delta_a_forward_encoders_3_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -4624,9 +4301,7 @@ KRHPR_API int krhpr_spatial_delta_a_forward_encoders_3_soa(
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -4739,13 +4414,13 @@ KRHPR_API int krhpr_spatial_delta_a_forward_gauss_newton_2_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes measured_lanes[2];
-        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
+        krhpr_poses_load(measured_lanes, in[1], k * in_step[1], in_step[1], 2, here);
         krhpr_lanes tolerance_lanes[1];
-        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_poses_load(tolerance_lanes, in[2], k * in_step[2], in_step[2], 1, here);
         krhpr_lanes weights_lanes[3];
-        krhpr_poses_load(weights_lanes, in[3] + k * in_step[3], in_step[3], 3, here);
+        krhpr_poses_load(weights_lanes, in[3], k * in_step[3], in_step[3], 3, here);
         krhpr_lanes p_lanes[3];
         krhpr_lanes Q_lanes[9];
         krhpr_lanes raw_lanes[9];
@@ -4757,23 +4432,18 @@ KRHPR_API int krhpr_spatial_delta_a_forward_gauss_newton_2_batch(
         krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
         krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&p_stream);
     krhpr_stream_close(&Q_stream);
     krhpr_stream_close(&raw_stream);
     krhpr_stream_close(&mismatch_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_a_forward_gauss_newton_2(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -4789,8 +4459,6 @@ KRHPR_API int krhpr_spatial_delta_a_forward_gauss_newton_2_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -4821,9 +4489,7 @@ KRHPR_API int krhpr_spatial_delta_a_forward_gauss_newton_2_soa(
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 1, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -4935,13 +4601,13 @@ KRHPR_API int krhpr_spatial_delta_a_forward_gauss_newton_3_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes measured_lanes[3];
-        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 3, here);
+        krhpr_poses_load(measured_lanes, in[1], k * in_step[1], in_step[1], 3, here);
         krhpr_lanes tolerance_lanes[1];
-        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_poses_load(tolerance_lanes, in[2], k * in_step[2], in_step[2], 1, here);
         krhpr_lanes weights_lanes[3];
-        krhpr_poses_load(weights_lanes, in[3] + k * in_step[3], in_step[3], 3, here);
+        krhpr_poses_load(weights_lanes, in[3], k * in_step[3], in_step[3], 3, here);
         krhpr_lanes p_lanes[3];
         krhpr_lanes Q_lanes[9];
         krhpr_lanes raw_lanes[9];
@@ -4953,23 +4619,18 @@ KRHPR_API int krhpr_spatial_delta_a_forward_gauss_newton_3_batch(
         krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
         krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&p_stream);
     krhpr_stream_close(&Q_stream);
     krhpr_stream_close(&raw_stream);
     krhpr_stream_close(&mismatch_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_a_forward_gauss_newton_3(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -4985,8 +4646,6 @@ KRHPR_API int krhpr_spatial_delta_a_forward_gauss_newton_3_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -5017,9 +4676,7 @@ KRHPR_API int krhpr_spatial_delta_a_forward_gauss_newton_3_soa(
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;

@@ -48,21 +48,16 @@ KRHPR_API int krhpr_spatial_rrrr_c_rotation_error_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(Q_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes error_lanes[1];
         const int doubtful = krhpr_spatial_rrrr_c_rotation_error_lanes(g, Q_lanes, error_lanes, &answer);
         krhpr_stream_put(&error_stream, out[0] + k * out_step[0], out_step[0], error_lanes, 1, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&error_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_rotation_error(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -78,8 +73,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_rotation_error_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -90,9 +83,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_rotation_error_soa(
             krhpr_lanes_at *const error_lanes = krhpr_poses_out(error_room, error_at, row, here);
             const int doubtful = krhpr_spatial_rrrr_c_rotation_error_lanes(g, Q_lanes, error_lanes, &answer);
             krhpr_poses_done(error_room, error_at, row, 1, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -134,28 +125,23 @@ KRHPR_API int krhpr_spatial_rrrr_c_end_points_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes redundant_lanes[3];
-        krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
+        krhpr_poses_load(redundant_lanes, in[2], k * in_step[2], in_step[2], 3, here);
         krhpr_lanes s_lanes[9];
         const int doubtful = krhpr_spatial_rrrr_c_end_points_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, s_lanes, &answer);
         krhpr_stream_put(&s_stream, out[0] + k * out_step[0], out_step[0], s_lanes, 9, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&s_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_end_points(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -171,8 +157,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_end_points_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -188,9 +172,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_end_points_soa(
             const int doubtful = krhpr_spatial_rrrr_c_end_points_lanes(
                 g, p_lanes, Q_lanes, redundant_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 9, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -232,28 +214,23 @@ KRHPR_API int krhpr_spatial_rrrr_c_redundant_coordinates_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes redundant_lanes[3];
         const int doubtful = krhpr_spatial_rrrr_c_redundant_coordinates_lanes(
             g, p_lanes, Q_lanes, s_lanes, redundant_lanes, &answer);
         krhpr_stream_put(&redundant_stream, out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&redundant_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_redundant_coordinates(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -269,8 +246,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_redundant_coordinates_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -286,9 +261,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_redundant_coordinates_soa(
             const int doubtful = krhpr_spatial_rrrr_c_redundant_coordinates_lanes(
                 g, p_lanes, Q_lanes, s_lanes, redundant_lanes, &answer);
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -337,21 +310,16 @@ KRHPR_API int krhpr_spatial_rrrr_c_subleg_forward_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[12];
-        krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 12, here);
+        krhpr_poses_load(theta_lanes, in[0], k * in_step[0], in_step[0], 12, here);
         krhpr_lanes s_lanes[9];
         const int doubtful = krhpr_spatial_rrrr_c_subleg_forward_lanes(g, theta_lanes, s_lanes, &answer);
         krhpr_stream_put(&s_stream, out[0] + k * out_step[0], out_step[0], s_lanes, 9, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&s_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_subleg_forward(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -367,8 +335,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_subleg_forward_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -379,9 +345,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_subleg_forward_soa(
             krhpr_lanes_at *const s_lanes = krhpr_poses_out(s_room, s_at, row, here);
             const int doubtful = krhpr_spatial_rrrr_c_subleg_forward_lanes(g, theta_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 9, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -459,7 +423,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_subleg_inverse_batch(
     const ptrdiff_t together = krhpr_poses_together(count);
     krhpr_lanes swivel_lanes[3];
     if (in[1] == NULL) {
-        krhpr_poses_load(swivel_lanes, swivel_default, 0, 3, KRHPR_LANES);
+        krhpr_poses_load(swivel_lanes, swivel_default, 0, 0, 3, KRHPR_LANES);
     }
     krhpr_lanes theta_room[KRHPR_ROOM(48)];
     krhpr_stream theta_stream = krhpr_stream_open(theta_room, out[0], out_step[0], 48, count);
@@ -467,26 +431,19 @@ KRHPR_API int krhpr_spatial_rrrr_c_subleg_inverse_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
-        if (in[1] != NULL) {
-            krhpr_poses_load(swivel_lanes, in[1] + k * in_step[1], in_step[1], 3, here);
-        }
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(swivel_lanes, in[1], k * in_step[1], in_step[1], 3, here);
         krhpr_lanes theta_lanes[48];
         const int doubtful = krhpr_spatial_rrrr_c_subleg_inverse_lanes(
             g, s_lanes, swivel_lanes, theta_lanes, &answer);
         krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 48, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&theta_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_subleg_inverse(
             g, in[0] + k * in_step[0], in[1] ? in[1] + k * in_step[1] : NULL, out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -498,7 +455,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_subleg_inverse_soa(
 {
     krhpr_lanes swivel_room[3];
     if (in[1] == NULL) {
-        krhpr_poses_load(swivel_room, swivel_default, 0, 3, KRHPR_LANES);
+        krhpr_poses_load(swivel_room, swivel_default, 0, 0, 3, KRHPR_LANES);
     }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
@@ -506,26 +463,19 @@ KRHPR_API int krhpr_spatial_rrrr_c_subleg_inverse_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes s_room[9];
             const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 9, here);
-            const krhpr_lanes_at *swivel_lanes = swivel_room;
-            if (in[1] != NULL) {
-                swivel_lanes = krhpr_poses_in(swivel_room, in[1] + b * in_step[1] + k, row, 3, here);
-            }
+            const krhpr_lanes_at *const swivel_lanes = krhpr_poses_given(swivel_room, in[1], b * in_step[1] + k, row, 3, here);
             krhpr_lanes theta_room[48];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
             const int doubtful = krhpr_spatial_rrrr_c_subleg_inverse_lanes(
                 g, s_lanes, swivel_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 48, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -588,25 +538,20 @@ KRHPR_API int krhpr_spatial_rrrr_c_swivel_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes theta_lanes[12];
-        krhpr_poses_load(theta_lanes, in[1] + k * in_step[1], in_step[1], 12, here);
+        krhpr_poses_load(theta_lanes, in[1], k * in_step[1], in_step[1], 12, here);
         krhpr_lanes swivel_lanes[3];
         const int doubtful = krhpr_spatial_rrrr_c_swivel_lanes(
             g, s_lanes, theta_lanes, swivel_lanes, &answer);
         krhpr_stream_put(&swivel_stream, out[0] + k * out_step[0], out_step[0], swivel_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&swivel_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_swivel(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -622,8 +567,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_swivel_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -637,9 +580,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_swivel_soa(
             const int doubtful = krhpr_spatial_rrrr_c_swivel_lanes(
                 g, s_lanes, theta_lanes, swivel_lanes, &answer);
             krhpr_poses_done(swivel_room, swivel_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -695,25 +636,20 @@ KRHPR_API int krhpr_spatial_rrrr_c_subleg_jacobian_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes theta_lanes[12];
-        krhpr_poses_load(theta_lanes, in[1] + k * in_step[1], in_step[1], 12, here);
+        krhpr_poses_load(theta_lanes, in[1], k * in_step[1], in_step[1], 12, here);
         krhpr_lanes M_lanes[36];
         const int doubtful = krhpr_spatial_rrrr_c_subleg_jacobian_lanes(
             g, s_lanes, theta_lanes, M_lanes, &answer);
         krhpr_stream_put(&M_stream, out[0] + k * out_step[0], out_step[0], M_lanes, 36, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&M_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_subleg_jacobian(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -729,8 +665,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_subleg_jacobian_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -744,9 +678,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_subleg_jacobian_soa(
             const int doubtful = krhpr_spatial_rrrr_c_subleg_jacobian_lanes(
                 g, s_lanes, theta_lanes, M_lanes, &answer);
             krhpr_poses_done(M_room, M_at, row, 36, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -788,28 +720,23 @@ KRHPR_API int krhpr_spatial_rrrr_c_constraints_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes residual_lanes[6];
         const int doubtful = krhpr_spatial_rrrr_c_constraints_lanes(
             g, p_lanes, Q_lanes, s_lanes, residual_lanes, &answer);
         krhpr_stream_put(&residual_stream, out[0] + k * out_step[0], out_step[0], residual_lanes, 6, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&residual_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_constraints(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -825,8 +752,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_constraints_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -842,9 +767,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_constraints_soa(
             const int doubtful = krhpr_spatial_rrrr_c_constraints_lanes(
                 g, p_lanes, Q_lanes, s_lanes, residual_lanes, &answer);
             krhpr_poses_done(residual_room, residual_at, row, 6, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -915,33 +838,28 @@ KRHPR_API int krhpr_spatial_rrrr_c_jacobians_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[12];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 12, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 12, here);
         krhpr_lanes J_lanes[36];
         krhpr_lanes K_lanes[72];
         const int doubtful = krhpr_spatial_rrrr_c_jacobians_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 36, here);
         krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 72, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&J_stream);
     krhpr_stream_close(&K_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_jacobians(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -957,8 +875,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_jacobians_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -980,9 +896,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_jacobians_soa(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 36, here);
             krhpr_poses_done(K_room, K_at, row, 72, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1045,33 +959,28 @@ KRHPR_API int krhpr_spatial_rrrr_c_jacobian_blocks_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[12];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 12, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 12, here);
         krhpr_lanes J_lanes[36];
         krhpr_lanes K_lanes[24];
         const int doubtful = krhpr_spatial_rrrr_c_jacobian_blocks_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 36, here);
         krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 24, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&J_stream);
     krhpr_stream_close(&K_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_jacobian_blocks(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1087,8 +996,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_jacobian_blocks_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1110,9 +1017,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_jacobian_blocks_soa(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 36, here);
             krhpr_poses_done(K_room, K_at, row, 24, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1204,33 +1109,28 @@ KRHPR_API int krhpr_spatial_rrrr_c_jacobians_n_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[12];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 12, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 12, here);
         krhpr_lanes J_lanes[144];
         krhpr_lanes K_lanes[144];
         const int doubtful = krhpr_spatial_rrrr_c_jacobians_n_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 144, here);
         krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 144, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&J_stream);
     krhpr_stream_close(&K_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_jacobians_n(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1246,8 +1146,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_jacobians_n_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1269,9 +1167,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_jacobians_n_soa(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 144, here);
             krhpr_poses_done(K_room, K_at, row, 144, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1341,11 +1237,11 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_batch(
     const ptrdiff_t together = krhpr_poses_together(count);
     krhpr_lanes mode_lanes[6];
     if (in[3] == NULL) {
-        krhpr_poses_load(mode_lanes, mode_default, 0, 6, KRHPR_LANES);
+        krhpr_poses_load(mode_lanes, mode_default, 0, 0, 6, KRHPR_LANES);
     }
     krhpr_lanes swivel_lanes[3];
     if (in[4] == NULL) {
-        krhpr_poses_load(swivel_lanes, swivel_default, 0, 3, KRHPR_LANES);
+        krhpr_poses_load(swivel_lanes, swivel_default, 0, 0, 3, KRHPR_LANES);
     }
     krhpr_lanes theta_room[KRHPR_ROOM(12)];
     krhpr_stream theta_stream = krhpr_stream_open(theta_room, out[0], out_step[0], 12, count);
@@ -1353,35 +1249,26 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes redundant_lanes[3];
-        krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
-        if (in[3] != NULL) {
-            krhpr_poses_load(mode_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
-        }
-        if (in[4] != NULL) {
-            krhpr_poses_load(swivel_lanes, in[4] + k * in_step[4], in_step[4], 3, here);
-        }
+        krhpr_poses_load(redundant_lanes, in[2], k * in_step[2], in_step[2], 3, here);
+        krhpr_poses_load(mode_lanes, in[3], k * in_step[3], in_step[3], 6, here);
+        krhpr_poses_load(swivel_lanes, in[4], k * in_step[4], in_step[4], 3, here);
         krhpr_lanes theta_lanes[12];
         const int doubtful = krhpr_spatial_rrrr_c_inverse_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, mode_lanes, swivel_lanes, theta_lanes, &answer);
         krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 12, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&theta_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_inverse(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] ? in[3] + k * in_step[3] : NULL, in[4] ? in[4] + k * in_step[4] : NULL,
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1393,11 +1280,11 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_soa(
 {
     krhpr_lanes mode_room[6];
     if (in[3] == NULL) {
-        krhpr_poses_load(mode_room, mode_default, 0, 6, KRHPR_LANES);
+        krhpr_poses_load(mode_room, mode_default, 0, 0, 6, KRHPR_LANES);
     }
     krhpr_lanes swivel_room[3];
     if (in[4] == NULL) {
-        krhpr_poses_load(swivel_room, swivel_default, 0, 3, KRHPR_LANES);
+        krhpr_poses_load(swivel_room, swivel_default, 0, 0, 3, KRHPR_LANES);
     }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
@@ -1405,8 +1292,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1416,23 +1301,15 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_soa(
             const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
             krhpr_lanes redundant_room[3];
             const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
-            const krhpr_lanes_at *mode_lanes = mode_room;
-            if (in[3] != NULL) {
-                mode_lanes = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 6, here);
-            }
-            const krhpr_lanes_at *swivel_lanes = swivel_room;
-            if (in[4] != NULL) {
-                swivel_lanes = krhpr_poses_in(swivel_room, in[4] + b * in_step[4] + k, row, 3, here);
-            }
+            const krhpr_lanes_at *const mode_lanes = krhpr_poses_given(mode_room, in[3], b * in_step[3] + k, row, 6, here);
+            const krhpr_lanes_at *const swivel_lanes = krhpr_poses_given(swivel_room, in[4], b * in_step[4] + k, row, 3, here);
             krhpr_lanes theta_room[12];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
             const int doubtful = krhpr_spatial_rrrr_c_inverse_lanes(
                 g, p_lanes, Q_lanes, redundant_lanes, mode_lanes, swivel_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 12, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1512,7 +1389,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_all_batch(
     const ptrdiff_t together = krhpr_poses_together(count);
     krhpr_lanes swivel_lanes[3];
     if (in[3] == NULL) {
-        krhpr_poses_load(swivel_lanes, swivel_default, 0, 3, KRHPR_LANES);
+        krhpr_poses_load(swivel_lanes, swivel_default, 0, 0, 3, KRHPR_LANES);
     }
     krhpr_lanes theta_room[KRHPR_ROOM(48)];
     krhpr_stream theta_stream = krhpr_stream_open(theta_room, out[0], out_step[0], 48, count);
@@ -1520,31 +1397,24 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_all_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes redundant_lanes[3];
-        krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
-        if (in[3] != NULL) {
-            krhpr_poses_load(swivel_lanes, in[3] + k * in_step[3], in_step[3], 3, here);
-        }
+        krhpr_poses_load(redundant_lanes, in[2], k * in_step[2], in_step[2], 3, here);
+        krhpr_poses_load(swivel_lanes, in[3], k * in_step[3], in_step[3], 3, here);
         krhpr_lanes theta_lanes[48];
         const int doubtful = krhpr_spatial_rrrr_c_inverse_all_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, swivel_lanes, theta_lanes, &answer);
         krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 48, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&theta_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_inverse_all(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] ? in[3] + k * in_step[3] : NULL, out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1556,7 +1426,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_all_soa(
 {
     krhpr_lanes swivel_room[3];
     if (in[3] == NULL) {
-        krhpr_poses_load(swivel_room, swivel_default, 0, 3, KRHPR_LANES);
+        krhpr_poses_load(swivel_room, swivel_default, 0, 0, 3, KRHPR_LANES);
     }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
@@ -1564,8 +1434,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_all_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1575,19 +1443,14 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_all_soa(
             const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
             krhpr_lanes redundant_room[3];
             const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
-            const krhpr_lanes_at *swivel_lanes = swivel_room;
-            if (in[3] != NULL) {
-                swivel_lanes = krhpr_poses_in(swivel_room, in[3] + b * in_step[3] + k, row, 3, here);
-            }
+            const krhpr_lanes_at *const swivel_lanes = krhpr_poses_given(swivel_room, in[3], b * in_step[3] + k, row, 3, here);
             krhpr_lanes theta_room[48];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
             const int doubtful = krhpr_spatial_rrrr_c_inverse_all_lanes(
                 g, p_lanes, Q_lanes, redundant_lanes, swivel_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 48, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1600,14 +1463,11 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_near_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_inverse_near(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] ? in[4] + k * in_step[4] : NULL, out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1623,8 +1483,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_near_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; ++k) {
             double p_pose[3];
             double Q_pose[9];
@@ -1632,20 +1490,15 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_near_soa(
             double theta_near_pose[12];
             double swivel_pose[3];
             double theta_pose[12];
-            krhpr_pose_load(p_pose, in[0] + b * in_step[0] + k, row, 3);
-            krhpr_pose_load(Q_pose, in[1] + b * in_step[1] + k, row, 9);
-            krhpr_pose_load(redundant_pose, in[2] + b * in_step[2] + k, row, 3);
-            krhpr_pose_load(theta_near_pose, in[3] + b * in_step[3] + k, row, 12);
-            if (in[4] != NULL) {
-                krhpr_pose_load(swivel_pose, in[4] + b * in_step[4] + k, row, 3);
-            }
+            krhpr_pose_load(p_pose, in[0], b * in_step[0] + k, row, 3);
+            krhpr_pose_load(Q_pose, in[1], b * in_step[1] + k, row, 9);
+            krhpr_pose_load(redundant_pose, in[2], b * in_step[2] + k, row, 3);
+            krhpr_pose_load(theta_near_pose, in[3], b * in_step[3] + k, row, 12);
+            krhpr_pose_load(swivel_pose, in[4], b * in_step[4] + k, row, 3);
             const int here = krhpr_spatial_rrrr_c_inverse_near(
                 g, p_pose, Q_pose, redundant_pose, theta_near_pose, in[4] ? swivel_pose : NULL, theta_pose);
             krhpr_pose_store(out[0] + b * out_step[0] + k, row, theta_pose, 12);
-            first = first == KRHPR_OK ? here : first;
-            if (answers != NULL) {
-                answers[k] = here;
-            }
+            first = krhpr_pose_report(here, first, status, b * row + k);
         }
     }
     return first;
@@ -1694,11 +1547,11 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_status_batch(
     const ptrdiff_t together = krhpr_poses_together(count);
     krhpr_lanes mode_lanes[6];
     if (in[3] == NULL) {
-        krhpr_poses_load(mode_lanes, mode_default, 0, 6, KRHPR_LANES);
+        krhpr_poses_load(mode_lanes, mode_default, 0, 0, 6, KRHPR_LANES);
     }
     krhpr_lanes swivel_lanes[3];
     if (in[4] == NULL) {
-        krhpr_poses_load(swivel_lanes, swivel_default, 0, 3, KRHPR_LANES);
+        krhpr_poses_load(swivel_lanes, swivel_default, 0, 0, 3, KRHPR_LANES);
     }
     krhpr_lanes excess_room[KRHPR_ROOM(3)];
     krhpr_stream excess_stream = krhpr_stream_open(excess_room, out[0], out_step[0], 3, count);
@@ -1706,35 +1559,26 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_status_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes redundant_lanes[3];
-        krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
-        if (in[3] != NULL) {
-            krhpr_poses_load(mode_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
-        }
-        if (in[4] != NULL) {
-            krhpr_poses_load(swivel_lanes, in[4] + k * in_step[4], in_step[4], 3, here);
-        }
+        krhpr_poses_load(redundant_lanes, in[2], k * in_step[2], in_step[2], 3, here);
+        krhpr_poses_load(mode_lanes, in[3], k * in_step[3], in_step[3], 6, here);
+        krhpr_poses_load(swivel_lanes, in[4], k * in_step[4], in_step[4], 3, here);
         krhpr_lanes excess_lanes[3];
         const int doubtful = krhpr_spatial_rrrr_c_inverse_status_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, mode_lanes, swivel_lanes, excess_lanes, &answer);
         krhpr_stream_put(&excess_stream, out[0] + k * out_step[0], out_step[0], excess_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&excess_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_inverse_status(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] ? in[3] + k * in_step[3] : NULL, in[4] ? in[4] + k * in_step[4] : NULL,
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1746,11 +1590,11 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_status_soa(
 {
     krhpr_lanes mode_room[6];
     if (in[3] == NULL) {
-        krhpr_poses_load(mode_room, mode_default, 0, 6, KRHPR_LANES);
+        krhpr_poses_load(mode_room, mode_default, 0, 0, 6, KRHPR_LANES);
     }
     krhpr_lanes swivel_room[3];
     if (in[4] == NULL) {
-        krhpr_poses_load(swivel_room, swivel_default, 0, 3, KRHPR_LANES);
+        krhpr_poses_load(swivel_room, swivel_default, 0, 0, 3, KRHPR_LANES);
     }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
@@ -1758,8 +1602,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_status_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1769,23 +1611,15 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_status_soa(
             const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
             krhpr_lanes redundant_room[3];
             const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
-            const krhpr_lanes_at *mode_lanes = mode_room;
-            if (in[3] != NULL) {
-                mode_lanes = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 6, here);
-            }
-            const krhpr_lanes_at *swivel_lanes = swivel_room;
-            if (in[4] != NULL) {
-                swivel_lanes = krhpr_poses_in(swivel_room, in[4] + b * in_step[4] + k, row, 3, here);
-            }
+            const krhpr_lanes_at *const mode_lanes = krhpr_poses_given(mode_room, in[3], b * in_step[3] + k, row, 6, here);
+            const krhpr_lanes_at *const swivel_lanes = krhpr_poses_given(swivel_room, in[4], b * in_step[4] + k, row, 3, here);
             krhpr_lanes excess_room[3];
             double *const excess_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const excess_lanes = krhpr_poses_out(excess_room, excess_at, row, here);
             const int doubtful = krhpr_spatial_rrrr_c_inverse_status_lanes(
                 g, p_lanes, Q_lanes, redundant_lanes, mode_lanes, swivel_lanes, excess_lanes, &answer);
             krhpr_poses_done(excess_room, excess_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1860,32 +1694,27 @@ KRHPR_API int krhpr_spatial_rrrr_c_twist_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[12];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 12, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 12, here);
         krhpr_lanes theta_dot_lanes[12];
-        krhpr_poses_load(theta_dot_lanes, in[4] + k * in_step[4], in_step[4], 12, here);
+        krhpr_poses_load(theta_dot_lanes, in[4], k * in_step[4], in_step[4], 12, here);
         krhpr_lanes twist_lanes[6];
         const int doubtful = krhpr_spatial_rrrr_c_twist_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
         krhpr_stream_put(&twist_stream, out[0] + k * out_step[0], out_step[0], twist_lanes, 6, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&twist_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_twist(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1901,8 +1730,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_twist_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1922,9 +1749,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_twist_soa(
             const int doubtful = krhpr_spatial_rrrr_c_twist_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
             krhpr_poses_done(twist_room, twist_at, row, 6, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1997,38 +1822,33 @@ KRHPR_API int krhpr_spatial_rrrr_c_joint_rates_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[12];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 12, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 12, here);
         krhpr_lanes twist_lanes[6];
-        krhpr_poses_load(twist_lanes, in[4] + k * in_step[4], in_step[4], 6, here);
+        krhpr_poses_load(twist_lanes, in[4], k * in_step[4], in_step[4], 6, here);
         krhpr_lanes redundant_rates_lanes[3];
-        krhpr_poses_load(redundant_rates_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
+        krhpr_poses_load(redundant_rates_lanes, in[5], k * in_step[5], in_step[5], 3, here);
         krhpr_lanes swivel_rates_lanes[3];
-        krhpr_poses_load(swivel_rates_lanes, in[6] + k * in_step[6], in_step[6], 3, here);
+        krhpr_poses_load(swivel_rates_lanes, in[6], k * in_step[6], in_step[6], 3, here);
         krhpr_lanes theta_dot_lanes[12];
         const int doubtful = krhpr_spatial_rrrr_c_joint_rates_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
             swivel_rates_lanes, theta_dot_lanes, &answer);
         krhpr_stream_put(&theta_dot_stream, out[0] + k * out_step[0], out_step[0], theta_dot_lanes, 12, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&theta_dot_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_joint_rates(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2044,8 +1864,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_joint_rates_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2070,9 +1888,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_joint_rates_soa(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
                 swivel_rates_lanes, theta_dot_lanes, &answer);
             krhpr_poses_done(theta_dot_room, theta_dot_at, row, 12, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2159,38 +1975,33 @@ KRHPR_API int krhpr_spatial_rrrr_c_platform_acceleration_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[12];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 12, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 12, here);
         krhpr_lanes twist_lanes[6];
-        krhpr_poses_load(twist_lanes, in[4] + k * in_step[4], in_step[4], 6, here);
+        krhpr_poses_load(twist_lanes, in[4], k * in_step[4], in_step[4], 6, here);
         krhpr_lanes theta_dot_lanes[12];
-        krhpr_poses_load(theta_dot_lanes, in[5] + k * in_step[5], in_step[5], 12, here);
+        krhpr_poses_load(theta_dot_lanes, in[5], k * in_step[5], in_step[5], 12, here);
         krhpr_lanes theta_ddot_lanes[12];
-        krhpr_poses_load(theta_ddot_lanes, in[6] + k * in_step[6], in_step[6], 12, here);
+        krhpr_poses_load(theta_ddot_lanes, in[6], k * in_step[6], in_step[6], 12, here);
         krhpr_lanes twist_rate_lanes[6];
         const int doubtful = krhpr_spatial_rrrr_c_platform_acceleration_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
             twist_rate_lanes, &answer);
         krhpr_stream_put(&twist_rate_stream, out[0] + k * out_step[0], out_step[0], twist_rate_lanes, 6, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&twist_rate_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_platform_acceleration(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2206,8 +2017,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_platform_acceleration_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2232,9 +2041,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_platform_acceleration_soa(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
                 twist_rate_lanes, &answer);
             krhpr_poses_done(twist_rate_room, twist_rate_at, row, 6, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2322,45 +2129,40 @@ KRHPR_API int krhpr_spatial_rrrr_c_joint_accelerations_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[12];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 12, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 12, here);
         krhpr_lanes twist_lanes[6];
-        krhpr_poses_load(twist_lanes, in[4] + k * in_step[4], in_step[4], 6, here);
+        krhpr_poses_load(twist_lanes, in[4], k * in_step[4], in_step[4], 6, here);
         krhpr_lanes redundant_rates_lanes[3];
-        krhpr_poses_load(redundant_rates_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
+        krhpr_poses_load(redundant_rates_lanes, in[5], k * in_step[5], in_step[5], 3, here);
         krhpr_lanes theta_dot_lanes[12];
-        krhpr_poses_load(theta_dot_lanes, in[6] + k * in_step[6], in_step[6], 12, here);
+        krhpr_poses_load(theta_dot_lanes, in[6], k * in_step[6], in_step[6], 12, here);
         krhpr_lanes twist_rate_lanes[6];
-        krhpr_poses_load(twist_rate_lanes, in[7] + k * in_step[7], in_step[7], 6, here);
+        krhpr_poses_load(twist_rate_lanes, in[7], k * in_step[7], in_step[7], 6, here);
         krhpr_lanes redundant_accelerations_lanes[3];
-        krhpr_poses_load(redundant_accelerations_lanes, in[8] + k * in_step[8], in_step[8], 3, here);
+        krhpr_poses_load(redundant_accelerations_lanes, in[8], k * in_step[8], in_step[8], 3, here);
         krhpr_lanes swivel_accelerations_lanes[3];
-        krhpr_poses_load(swivel_accelerations_lanes, in[9] + k * in_step[9], in_step[9], 3, here);
+        krhpr_poses_load(swivel_accelerations_lanes, in[9], k * in_step[9], in_step[9], 3, here);
         krhpr_lanes theta_ddot_lanes[12];
         const int doubtful = krhpr_spatial_rrrr_c_joint_accelerations_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes, theta_dot_lanes,
             twist_rate_lanes, redundant_accelerations_lanes, swivel_accelerations_lanes, theta_ddot_lanes,
             &answer);
         krhpr_stream_put(&theta_ddot_stream, out[0] + k * out_step[0], out_step[0], theta_ddot_lanes, 12, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&theta_ddot_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_joint_accelerations(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
             in[7] + k * in_step[7], in[8] + k * in_step[8], in[9] + k * in_step[9], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2376,8 +2178,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_joint_accelerations_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2409,9 +2209,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_joint_accelerations_soa(
                 theta_dot_lanes, twist_rate_lanes, redundant_accelerations_lanes,
                 swivel_accelerations_lanes, theta_ddot_lanes, &answer);
             krhpr_poses_done(theta_ddot_room, theta_ddot_at, row, 12, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2502,38 +2300,33 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_statics_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[12];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 12, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 12, here);
         krhpr_lanes wrench_lanes[6];
-        krhpr_poses_load(wrench_lanes, in[4] + k * in_step[4], in_step[4], 6, here);
+        krhpr_poses_load(wrench_lanes, in[4], k * in_step[4], in_step[4], 6, here);
         krhpr_lanes redundant_forces_lanes[3];
-        krhpr_poses_load(redundant_forces_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
+        krhpr_poses_load(redundant_forces_lanes, in[5], k * in_step[5], in_step[5], 3, here);
         krhpr_lanes swivel_forces_lanes[3];
-        krhpr_poses_load(swivel_forces_lanes, in[6] + k * in_step[6], in_step[6], 3, here);
+        krhpr_poses_load(swivel_forces_lanes, in[6], k * in_step[6], in_step[6], 3, here);
         krhpr_lanes actuator_forces_lanes[12];
         const int doubtful = krhpr_spatial_rrrr_c_inverse_statics_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, wrench_lanes, redundant_forces_lanes,
             swivel_forces_lanes, actuator_forces_lanes, &answer);
         krhpr_stream_put(&actuator_forces_stream, out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 12, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&actuator_forces_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_inverse_statics(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2549,8 +2342,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_statics_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2575,9 +2366,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_statics_soa(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, wrench_lanes, redundant_forces_lanes,
                 swivel_forces_lanes, actuator_forces_lanes, &answer);
             krhpr_poses_done(actuator_forces_room, actuator_forces_at, row, 12, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2661,15 +2450,15 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_statics_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[12];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 12, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 12, here);
         krhpr_lanes actuator_forces_lanes[12];
-        krhpr_poses_load(actuator_forces_lanes, in[4] + k * in_step[4], in_step[4], 12, here);
+        krhpr_poses_load(actuator_forces_lanes, in[4], k * in_step[4], in_step[4], 12, here);
         krhpr_lanes wrench_lanes[6];
         krhpr_lanes redundant_forces_lanes[3];
         krhpr_lanes swivel_forces_lanes[3];
@@ -2679,22 +2468,17 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_statics_batch(
         krhpr_stream_put(&wrench_stream, out[0] + k * out_step[0], out_step[0], wrench_lanes, 6, here);
         krhpr_stream_put(&redundant_forces_stream, out[1] + k * out_step[1], out_step[1], redundant_forces_lanes, 3, here);
         krhpr_stream_put(&swivel_forces_stream, out[2] + k * out_step[2], out_step[2], swivel_forces_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&wrench_stream);
     krhpr_stream_close(&redundant_forces_stream);
     krhpr_stream_close(&swivel_forces_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_forward_statics(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], out[0] + k * out_step[0],
             out[1] + k * out_step[1], out[2] + k * out_step[2]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2710,8 +2494,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_statics_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2740,9 +2522,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_statics_soa(
             krhpr_poses_done(wrench_room, wrench_at, row, 6, here);
             krhpr_poses_done(redundant_forces_room, redundant_forces_at, row, 3, here);
             krhpr_poses_done(swivel_forces_room, swivel_forces_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2802,9 +2582,9 @@ KRHPR_API int krhpr_spatial_rrrr_c_opening_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes redundant_lanes[3];
-        krhpr_poses_load(redundant_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(redundant_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes jaws_lanes[3];
-        krhpr_poses_load(jaws_lanes, in[1] + k * in_step[1], in_step[1], 3, here);
+        krhpr_poses_load(jaws_lanes, in[1], k * in_step[1], in_step[1], 3, here);
         krhpr_lanes opening_lanes[1];
         krhpr_lanes centre_lanes[2];
         krhpr_lanes shares_lanes[3];
@@ -2813,21 +2593,16 @@ KRHPR_API int krhpr_spatial_rrrr_c_opening_batch(
         krhpr_stream_put(&opening_stream, out[0] + k * out_step[0], out_step[0], opening_lanes, 1, here);
         krhpr_stream_put(&centre_stream, out[1] + k * out_step[1], out_step[1], centre_lanes, 2, here);
         krhpr_stream_put(&shares_stream, out[2] + k * out_step[2], out_step[2], shares_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&opening_stream);
     krhpr_stream_close(&centre_stream);
     krhpr_stream_close(&shares_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_opening(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0],
             out[1] + k * out_step[1], out[2] + k * out_step[2]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2843,8 +2618,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_opening_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2866,9 +2639,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_opening_soa(
             krhpr_poses_done(opening_room, opening_at, row, 1, here);
             krhpr_poses_done(centre_room, centre_at, row, 2, here);
             krhpr_poses_done(shares_room, shares_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2911,28 +2682,23 @@ KRHPR_API int krhpr_spatial_rrrr_c_redundant_of_opening_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes opening_lanes[1];
-        krhpr_poses_load(opening_lanes, in[0] + k * in_step[0], in_step[0], 1, here);
+        krhpr_poses_load(opening_lanes, in[0], k * in_step[0], in_step[0], 1, here);
         krhpr_lanes centre_lanes[2];
-        krhpr_poses_load(centre_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
+        krhpr_poses_load(centre_lanes, in[1], k * in_step[1], in_step[1], 2, here);
         krhpr_lanes jaws_lanes[3];
-        krhpr_poses_load(jaws_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
+        krhpr_poses_load(jaws_lanes, in[2], k * in_step[2], in_step[2], 3, here);
         krhpr_lanes redundant_lanes[3];
         const int doubtful = krhpr_spatial_rrrr_c_redundant_of_opening_lanes(
             g, opening_lanes, centre_lanes, jaws_lanes, redundant_lanes, &answer);
         krhpr_stream_put(&redundant_stream, out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&redundant_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_redundant_of_opening(
             g, *(in[0] + k * in_step[0]), in[1] + k * in_step[1], in[2] + k * in_step[2],
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2948,8 +2714,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_redundant_of_opening_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2965,9 +2729,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_redundant_of_opening_soa(
             const int doubtful = krhpr_spatial_rrrr_c_redundant_of_opening_lanes(
                 g, opening_lanes, centre_lanes, jaws_lanes, redundant_lanes, &answer);
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -3063,17 +2825,17 @@ KRHPR_API int krhpr_spatial_rrrr_c_grasp_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(Q_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes contacts_lanes[9];
-        krhpr_poses_load(contacts_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(contacts_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes mass_centre_lanes[3];
-        krhpr_poses_load(mass_centre_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
+        krhpr_poses_load(mass_centre_lanes, in[2], k * in_step[2], in_step[2], 3, here);
         krhpr_lanes weight_lanes[3];
-        krhpr_poses_load(weight_lanes, in[3] + k * in_step[3], in_step[3], 3, here);
+        krhpr_poses_load(weight_lanes, in[3], k * in_step[3], in_step[3], 3, here);
         krhpr_lanes normal_forces_lanes[3];
-        krhpr_poses_load(normal_forces_lanes, in[4] + k * in_step[4], in_step[4], 3, here);
+        krhpr_poses_load(normal_forces_lanes, in[4], k * in_step[4], in_step[4], 3, here);
         krhpr_lanes friction_lanes[1];
-        krhpr_poses_load(friction_lanes, in[5] + k * in_step[5], in_step[5], 1, here);
+        krhpr_poses_load(friction_lanes, in[5], k * in_step[5], in_step[5], 1, here);
         krhpr_lanes contact_forces_lanes[9];
         krhpr_lanes wrench_lanes[6];
         krhpr_lanes redundant_forces_lanes[3];
@@ -3086,24 +2848,19 @@ KRHPR_API int krhpr_spatial_rrrr_c_grasp_batch(
         krhpr_stream_put(&wrench_stream, out[1] + k * out_step[1], out_step[1], wrench_lanes, 6, here);
         krhpr_stream_put(&redundant_forces_stream, out[2] + k * out_step[2], out_step[2], redundant_forces_lanes, 3, here);
         krhpr_stream_put(&friction_margins_stream, out[3] + k * out_step[3], out_step[3], friction_margins_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&contact_forces_stream);
     krhpr_stream_close(&wrench_stream);
     krhpr_stream_close(&redundant_forces_stream);
     krhpr_stream_close(&friction_margins_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_grasp(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], *(in[5] + k * in_step[5]),
             out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
             out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3119,8 +2876,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_grasp_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -3156,9 +2911,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_grasp_soa(
             krhpr_poses_done(wrench_room, wrench_at, row, 6, here);
             krhpr_poses_done(redundant_forces_room, redundant_forces_at, row, 3, here);
             krhpr_poses_done(friction_margins_room, friction_margins_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -3224,33 +2977,28 @@ KRHPR_API int krhpr_spatial_rrrr_c_passive_joints_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[12];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 12, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 12, here);
         krhpr_lanes spherical_lanes[27];
         krhpr_lanes platform_joint_lanes[3];
         const int doubtful = krhpr_spatial_rrrr_c_passive_joints_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, spherical_lanes, platform_joint_lanes, &answer);
         krhpr_stream_put(&spherical_stream, out[0] + k * out_step[0], out_step[0], spherical_lanes, 27, here);
         krhpr_stream_put(&platform_joint_stream, out[1] + k * out_step[1], out_step[1], platform_joint_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&spherical_stream);
     krhpr_stream_close(&platform_joint_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_passive_joints(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3266,8 +3014,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_passive_joints_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -3289,9 +3035,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_passive_joints_soa(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, spherical_lanes, platform_joint_lanes, &answer);
             krhpr_poses_done(spherical_room, spherical_at, row, 27, here);
             krhpr_poses_done(platform_joint_room, platform_joint_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -3353,33 +3097,28 @@ KRHPR_API int krhpr_spatial_rrrr_c_link_points_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[12];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 12, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 12, here);
         krhpr_lanes points_lanes[36];
         krhpr_lanes attachment_lanes[9];
         const int doubtful = krhpr_spatial_rrrr_c_link_points_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
         krhpr_stream_put(&points_stream, out[0] + k * out_step[0], out_step[0], points_lanes, 36, here);
         krhpr_stream_put(&attachment_stream, out[1] + k * out_step[1], out_step[1], attachment_lanes, 9, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&points_stream);
     krhpr_stream_close(&attachment_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_link_points(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3395,8 +3134,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_link_points_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -3418,9 +3155,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_link_points_soa(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
             krhpr_poses_done(points_room, points_at, row, 36, here);
             krhpr_poses_done(attachment_room, attachment_at, row, 9, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -3500,30 +3235,25 @@ KRHPR_API int krhpr_spatial_rrrr_c_clearances_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[12];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 12, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 12, here);
         krhpr_lanes distances_lanes[30];
         const int doubtful = krhpr_spatial_rrrr_c_clearances_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, distances_lanes, &answer);
         krhpr_stream_put(&distances_stream, out[0] + k * out_step[0], out_step[0], distances_lanes, 30, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&distances_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_clearances(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3539,8 +3269,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_clearances_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -3558,9 +3286,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_clearances_soa(
             const int doubtful = krhpr_spatial_rrrr_c_clearances_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, distances_lanes, &answer);
             krhpr_poses_done(distances_room, distances_at, row, 30, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -3635,13 +3361,13 @@ KRHPR_API int krhpr_spatial_rrrr_c_singularity_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[12];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 12, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 12, here);
         krhpr_lanes type_1_lanes[3];
         krhpr_lanes factors_lanes[12];
         krhpr_lanes type_2_lanes[2];
@@ -3653,23 +3379,18 @@ KRHPR_API int krhpr_spatial_rrrr_c_singularity_batch(
         krhpr_stream_put(&factors_stream, out[1] + k * out_step[1], out_step[1], factors_lanes, 12, here);
         krhpr_stream_put(&type_2_stream, out[2] + k * out_step[2], out_step[2], type_2_lanes, 2, here);
         krhpr_stream_put(&margins_stream, out[3] + k * out_step[3], out_step[3], margins_lanes, 2, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&type_1_stream);
     krhpr_stream_close(&factors_stream);
     krhpr_stream_close(&type_2_stream);
     krhpr_stream_close(&margins_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_singularity(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3685,8 +3406,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_singularity_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -3717,9 +3436,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_singularity_soa(
             krhpr_poses_done(factors_room, factors_at, row, 12, here);
             krhpr_poses_done(type_2_room, type_2_at, row, 2, here);
             krhpr_poses_done(margins_room, margins_at, row, 2, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -3769,26 +3486,21 @@ KRHPR_API int krhpr_spatial_rrrr_c_type_2_of_redundant_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes redundant_lanes[3];
-        krhpr_poses_load(redundant_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(redundant_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes type_2_lanes[2];
         krhpr_lanes margins_lanes[2];
         const int doubtful = krhpr_spatial_rrrr_c_type_2_of_redundant_lanes(
             g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
         krhpr_stream_put(&type_2_stream, out[0] + k * out_step[0], out_step[0], type_2_lanes, 2, here);
         krhpr_stream_put(&margins_stream, out[1] + k * out_step[1], out_step[1], margins_lanes, 2, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&type_2_stream);
     krhpr_stream_close(&margins_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_type_2_of_redundant(
             g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3804,8 +3516,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_type_2_of_redundant_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -3821,9 +3531,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_type_2_of_redundant_soa(
                 g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
             krhpr_poses_done(type_2_room, type_2_at, row, 2, here);
             krhpr_poses_done(margins_room, margins_at, row, 2, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -3929,13 +3637,13 @@ KRHPR_API int krhpr_spatial_rrrr_c_indices_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[12];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 12, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 12, here);
         krhpr_lanes eta_1_lanes[1];
         krhpr_lanes eta_2_lanes[1];
         krhpr_lanes eta_3_lanes[1];
@@ -3947,23 +3655,18 @@ KRHPR_API int krhpr_spatial_rrrr_c_indices_batch(
         krhpr_stream_put(&eta_2_stream, out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
         krhpr_stream_put(&eta_3_stream, out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
         krhpr_stream_put(&condition_stream, out[3] + k * out_step[3], out_step[3], condition_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&eta_1_stream);
     krhpr_stream_close(&eta_2_stream);
     krhpr_stream_close(&eta_3_stream);
     krhpr_stream_close(&condition_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_indices(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3979,8 +3682,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_indices_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -4011,9 +3712,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_indices_soa(
             krhpr_poses_done(eta_2_room, eta_2_at, row, 1, here);
             krhpr_poses_done(eta_3_room, eta_3_at, row, 1, here);
             krhpr_poses_done(condition_room, condition_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -4115,13 +3814,13 @@ KRHPR_API int krhpr_spatial_rrrr_c_index_bounds_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[12];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 12, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 12, here);
         krhpr_lanes eta_1_lanes[1];
         krhpr_lanes eta_2_lanes[1];
         krhpr_lanes eta_3_lanes[1];
@@ -4130,22 +3829,17 @@ KRHPR_API int krhpr_spatial_rrrr_c_index_bounds_batch(
         krhpr_stream_put(&eta_1_stream, out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
         krhpr_stream_put(&eta_2_stream, out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
         krhpr_stream_put(&eta_3_stream, out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&eta_1_stream);
     krhpr_stream_close(&eta_2_stream);
     krhpr_stream_close(&eta_3_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_index_bounds(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -4161,8 +3855,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_index_bounds_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -4188,9 +3880,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_index_bounds_soa(
             krhpr_poses_done(eta_1_room, eta_1_at, row, 1, here);
             krhpr_poses_done(eta_2_room, eta_2_at, row, 1, here);
             krhpr_poses_done(eta_3_room, eta_3_at, row, 1, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -4267,9 +3957,9 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_all_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes turned_lanes[1];
-        krhpr_poses_load(turned_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(turned_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes p_lanes[6];
         krhpr_lanes Q_lanes[18];
         krhpr_lanes redundant_lanes[6];
@@ -4282,24 +3972,19 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_all_batch(
         krhpr_stream_put(&redundant_stream, out[2] + k * out_step[2], out_step[2], redundant_lanes, 6, here);
         krhpr_stream_put(&det_J_stream, out[3] + k * out_step[3], out_step[3], det_J_lanes, 2, here);
         krhpr_stream_put(&count_stream, out[4] + k * out_step[4], out_step[4], count_lanes, 1, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&p_stream);
     krhpr_stream_close(&Q_stream);
     krhpr_stream_close(&redundant_stream);
     krhpr_stream_close(&det_J_stream);
     krhpr_stream_close(&count_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_forward_all(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), out[0] + k * out_step[0],
             out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3],
             out[4] + k * out_step[4]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -4315,8 +4000,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_all_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -4347,9 +4030,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_all_soa(
             krhpr_poses_done(redundant_room, redundant_at, row, 6, here);
             krhpr_poses_done(det_J_room, det_J_at, row, 2, here);
             krhpr_poses_done(count_room, count_at, row, 1, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -4435,9 +4116,9 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[12];
-        krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 12, here);
+        krhpr_poses_load(theta_lanes, in[0], k * in_step[0], in_step[0], 12, here);
         krhpr_lanes side_lanes[1];
-        krhpr_poses_load(side_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(side_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes p_lanes[3];
         krhpr_lanes Q_lanes[9];
         krhpr_lanes redundant_lanes[3];
@@ -4451,24 +4132,19 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_batch(
         krhpr_stream_put(&redundant_stream, out[2] + k * out_step[2], out_step[2], redundant_lanes, 3, here);
         krhpr_stream_put(&count_stream, out[3] + k * out_step[3], out_step[3], count_lanes, 1, here);
         krhpr_stream_put(&certified_stream, out[4] + k * out_step[4], out_step[4], certified_lanes, 1, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&p_stream);
     krhpr_stream_close(&Q_stream);
     krhpr_stream_close(&redundant_stream);
     krhpr_stream_close(&count_stream);
     krhpr_stream_close(&certified_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_forward(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), out[0] + k * out_step[0],
             out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3],
             out[4] + k * out_step[4]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -4484,8 +4160,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -4516,9 +4190,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_soa(
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
             krhpr_poses_done(count_room, count_at, row, 1, here);
             krhpr_poses_done(certified_room, certified_at, row, 1, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -4531,15 +4203,12 @@ KRHPR_API int krhpr_spatial_rrrr_c_passive_joints_of_theta_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_passive_joints_of_theta(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), out[0] + k * out_step[0],
             out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3],
             out[4] + k * out_step[4]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -4555,8 +4224,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_passive_joints_of_theta_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; ++k) {
             double theta_pose[12];
             double side_pose[1];
@@ -4565,8 +4232,8 @@ KRHPR_API int krhpr_spatial_rrrr_c_passive_joints_of_theta_soa(
             double p_pose[3];
             double Q_pose[9];
             double redundant_pose[3];
-            krhpr_pose_load(theta_pose, in[0] + b * in_step[0] + k, row, 12);
-            krhpr_pose_load(side_pose, in[1] + b * in_step[1] + k, row, 1);
+            krhpr_pose_load(theta_pose, in[0], b * in_step[0] + k, row, 12);
+            krhpr_pose_load(side_pose, in[1], b * in_step[1] + k, row, 1);
             const int here = krhpr_spatial_rrrr_c_passive_joints_of_theta(
                 g, theta_pose, side_pose[0], spherical_pose, platform_joint_pose, p_pose, Q_pose,
                 redundant_pose);
@@ -4575,10 +4242,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_passive_joints_of_theta_soa(
             krhpr_pose_store(out[2] + b * out_step[2] + k, row, p_pose, 3);
             krhpr_pose_store(out[3] + b * out_step[3] + k, row, Q_pose, 9);
             krhpr_pose_store(out[4] + b * out_step[4] + k, row, redundant_pose, 3);
-            first = first == KRHPR_OK ? here : first;
-            if (answers != NULL) {
-                answers[k] = here;
-            }
+            first = krhpr_pose_report(here, first, status, b * row + k);
         }
     }
     return first;
@@ -4655,11 +4319,11 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_encoders_2_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes measured_lanes[2];
-        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
+        krhpr_poses_load(measured_lanes, in[1], k * in_step[1], in_step[1], 2, here);
         krhpr_lanes tolerance_lanes[1];
-        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_poses_load(tolerance_lanes, in[2], k * in_step[2], in_step[2], 1, here);
         krhpr_lanes p_lanes[3];
         krhpr_lanes Q_lanes[9];
         krhpr_lanes raw_lanes[9];
@@ -4671,23 +4335,18 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_encoders_2_batch(
         krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
         krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&p_stream);
     krhpr_stream_close(&Q_stream);
     krhpr_stream_close(&raw_stream);
     krhpr_stream_close(&mismatch_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_forward_encoders_2(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
             out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
             out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -4703,8 +4362,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_encoders_2_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -4733,9 +4390,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_encoders_2_soa(
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 1, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -4812,11 +4467,11 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_encoders_3_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes measured_lanes[3];
-        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 3, here);
+        krhpr_poses_load(measured_lanes, in[1], k * in_step[1], in_step[1], 3, here);
         krhpr_lanes tolerance_lanes[1];
-        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_poses_load(tolerance_lanes, in[2], k * in_step[2], in_step[2], 1, here);
         krhpr_lanes p_lanes[3];
         krhpr_lanes Q_lanes[9];
         krhpr_lanes raw_lanes[9];
@@ -4828,23 +4483,18 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_encoders_3_batch(
         krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
         krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&p_stream);
     krhpr_stream_close(&Q_stream);
     krhpr_stream_close(&raw_stream);
     krhpr_stream_close(&mismatch_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_forward_encoders_3(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
             out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
             out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -4860,8 +4510,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_encoders_3_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -4890,9 +4538,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_encoders_3_soa(
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -4995,13 +4641,13 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_gauss_newton_2_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes measured_lanes[2];
-        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
+        krhpr_poses_load(measured_lanes, in[1], k * in_step[1], in_step[1], 2, here);
         krhpr_lanes tolerance_lanes[1];
-        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_poses_load(tolerance_lanes, in[2], k * in_step[2], in_step[2], 1, here);
         krhpr_lanes weights_lanes[3];
-        krhpr_poses_load(weights_lanes, in[3] + k * in_step[3], in_step[3], 3, here);
+        krhpr_poses_load(weights_lanes, in[3], k * in_step[3], in_step[3], 3, here);
         krhpr_lanes p_lanes[3];
         krhpr_lanes Q_lanes[9];
         krhpr_lanes raw_lanes[9];
@@ -5013,23 +4659,18 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_gauss_newton_2_batch(
         krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
         krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&p_stream);
     krhpr_stream_close(&Q_stream);
     krhpr_stream_close(&raw_stream);
     krhpr_stream_close(&mismatch_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_forward_gauss_newton_2(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -5045,8 +4686,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_gauss_newton_2_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -5077,9 +4716,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_gauss_newton_2_soa(
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 1, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -5181,13 +4818,13 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_gauss_newton_3_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes measured_lanes[3];
-        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 3, here);
+        krhpr_poses_load(measured_lanes, in[1], k * in_step[1], in_step[1], 3, here);
         krhpr_lanes tolerance_lanes[1];
-        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_poses_load(tolerance_lanes, in[2], k * in_step[2], in_step[2], 1, here);
         krhpr_lanes weights_lanes[3];
-        krhpr_poses_load(weights_lanes, in[3] + k * in_step[3], in_step[3], 3, here);
+        krhpr_poses_load(weights_lanes, in[3], k * in_step[3], in_step[3], 3, here);
         krhpr_lanes p_lanes[3];
         krhpr_lanes Q_lanes[9];
         krhpr_lanes raw_lanes[9];
@@ -5199,23 +4836,18 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_gauss_newton_3_batch(
         krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
         krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&p_stream);
     krhpr_stream_close(&Q_stream);
     krhpr_stream_close(&raw_stream);
     krhpr_stream_close(&mismatch_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_c_forward_gauss_newton_3(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -5231,8 +4863,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_gauss_newton_3_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -5263,9 +4893,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_gauss_newton_3_soa(
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;

@@ -46,21 +46,16 @@ KRHPR_API int krhpr_spatial_ups3_a_rotation_error_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(Q_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes error_lanes[1];
         const int doubtful = krhpr_spatial_ups3_a_rotation_error_lanes(g, Q_lanes, error_lanes, &answer);
         krhpr_stream_put(&error_stream, out[0] + k * out_step[0], out_step[0], error_lanes, 1, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&error_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_ups3_a_rotation_error(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -76,8 +71,6 @@ KRHPR_API int krhpr_spatial_ups3_a_rotation_error_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -88,9 +81,7 @@ KRHPR_API int krhpr_spatial_ups3_a_rotation_error_soa(
             krhpr_lanes_at *const error_lanes = krhpr_poses_out(error_room, error_at, row, here);
             const int doubtful = krhpr_spatial_ups3_a_rotation_error_lanes(g, Q_lanes, error_lanes, &answer);
             krhpr_poses_done(error_room, error_at, row, 1, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -140,28 +131,23 @@ KRHPR_API int krhpr_spatial_ups3_a_end_points_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes redundant_lanes[3];
-        krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
+        krhpr_poses_load(redundant_lanes, in[2], k * in_step[2], in_step[2], 3, here);
         krhpr_lanes s_lanes[9];
         const int doubtful = krhpr_spatial_ups3_a_end_points_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, s_lanes, &answer);
         krhpr_stream_put(&s_stream, out[0] + k * out_step[0], out_step[0], s_lanes, 9, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&s_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_ups3_a_end_points(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -177,8 +163,6 @@ KRHPR_API int krhpr_spatial_ups3_a_end_points_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -194,9 +178,7 @@ KRHPR_API int krhpr_spatial_ups3_a_end_points_soa(
             const int doubtful = krhpr_spatial_ups3_a_end_points_lanes(
                 g, p_lanes, Q_lanes, redundant_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 9, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -246,28 +228,23 @@ KRHPR_API int krhpr_spatial_ups3_a_redundant_coordinates_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes redundant_lanes[3];
         const int doubtful = krhpr_spatial_ups3_a_redundant_coordinates_lanes(
             g, p_lanes, Q_lanes, s_lanes, redundant_lanes, &answer);
         krhpr_stream_put(&redundant_stream, out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&redundant_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_ups3_a_redundant_coordinates(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -283,8 +260,6 @@ KRHPR_API int krhpr_spatial_ups3_a_redundant_coordinates_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -300,9 +275,7 @@ KRHPR_API int krhpr_spatial_ups3_a_redundant_coordinates_soa(
             const int doubtful = krhpr_spatial_ups3_a_redundant_coordinates_lanes(
                 g, p_lanes, Q_lanes, s_lanes, redundant_lanes, &answer);
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -354,25 +327,20 @@ KRHPR_API int krhpr_spatial_ups3_a_subleg_forward_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(theta_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes s_near_lanes[9];
-        krhpr_poses_load(s_near_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(s_near_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
         const int doubtful = krhpr_spatial_ups3_a_subleg_forward_lanes(
             g, theta_lanes, s_near_lanes, s_lanes, &answer);
         krhpr_stream_put(&s_stream, out[0] + k * out_step[0], out_step[0], s_lanes, 9, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&s_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_ups3_a_subleg_forward(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -388,8 +356,6 @@ KRHPR_API int krhpr_spatial_ups3_a_subleg_forward_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -403,9 +369,7 @@ KRHPR_API int krhpr_spatial_ups3_a_subleg_forward_soa(
             const int doubtful = krhpr_spatial_ups3_a_subleg_forward_lanes(
                 g, theta_lanes, s_near_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 9, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -456,21 +420,16 @@ KRHPR_API int krhpr_spatial_ups3_a_subleg_forward_all_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(theta_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes s_lanes[18];
         const int doubtful = krhpr_spatial_ups3_a_subleg_forward_all_lanes(g, theta_lanes, s_lanes, &answer);
         krhpr_stream_put(&s_stream, out[0] + k * out_step[0], out_step[0], s_lanes, 18, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&s_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_ups3_a_subleg_forward_all(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -486,8 +445,6 @@ KRHPR_API int krhpr_spatial_ups3_a_subleg_forward_all_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -499,9 +456,7 @@ KRHPR_API int krhpr_spatial_ups3_a_subleg_forward_all_soa(
             const int doubtful = krhpr_spatial_ups3_a_subleg_forward_all_lanes(
                 g, theta_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 18, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -552,21 +507,16 @@ KRHPR_API int krhpr_spatial_ups3_a_subleg_inverse_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes theta_lanes[9];
         const int doubtful = krhpr_spatial_ups3_a_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
         krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 9, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&theta_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_ups3_a_subleg_inverse(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -582,8 +532,6 @@ KRHPR_API int krhpr_spatial_ups3_a_subleg_inverse_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -594,9 +542,7 @@ KRHPR_API int krhpr_spatial_ups3_a_subleg_inverse_soa(
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
             const int doubtful = krhpr_spatial_ups3_a_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 9, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -650,25 +596,20 @@ KRHPR_API int krhpr_spatial_ups3_a_subleg_jacobian_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(theta_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes M_lanes[27];
         const int doubtful = krhpr_spatial_ups3_a_subleg_jacobian_lanes(
             g, s_lanes, theta_lanes, M_lanes, &answer);
         krhpr_stream_put(&M_stream, out[0] + k * out_step[0], out_step[0], M_lanes, 27, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&M_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_ups3_a_subleg_jacobian(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -684,8 +625,6 @@ KRHPR_API int krhpr_spatial_ups3_a_subleg_jacobian_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -699,9 +638,7 @@ KRHPR_API int krhpr_spatial_ups3_a_subleg_jacobian_soa(
             const int doubtful = krhpr_spatial_ups3_a_subleg_jacobian_lanes(
                 g, s_lanes, theta_lanes, M_lanes, &answer);
             krhpr_poses_done(M_room, M_at, row, 27, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -743,28 +680,23 @@ KRHPR_API int krhpr_spatial_ups3_a_constraints_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes residual_lanes[6];
         const int doubtful = krhpr_spatial_ups3_a_constraints_lanes(
             g, p_lanes, Q_lanes, s_lanes, residual_lanes, &answer);
         krhpr_stream_put(&residual_stream, out[0] + k * out_step[0], out_step[0], residual_lanes, 6, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&residual_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_ups3_a_constraints(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -780,8 +712,6 @@ KRHPR_API int krhpr_spatial_ups3_a_constraints_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -797,9 +727,7 @@ KRHPR_API int krhpr_spatial_ups3_a_constraints_soa(
             const int doubtful = krhpr_spatial_ups3_a_constraints_lanes(
                 g, p_lanes, Q_lanes, s_lanes, residual_lanes, &answer);
             krhpr_poses_done(residual_room, residual_at, row, 6, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -869,33 +797,28 @@ KRHPR_API int krhpr_spatial_ups3_a_jacobians_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes J_lanes[36];
         krhpr_lanes K_lanes[54];
         const int doubtful = krhpr_spatial_ups3_a_jacobians_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 36, here);
         krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 54, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&J_stream);
     krhpr_stream_close(&K_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_ups3_a_jacobians(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -911,8 +834,6 @@ KRHPR_API int krhpr_spatial_ups3_a_jacobians_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -934,9 +855,7 @@ KRHPR_API int krhpr_spatial_ups3_a_jacobians_soa(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 36, here);
             krhpr_poses_done(K_room, K_at, row, 54, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -997,33 +916,28 @@ KRHPR_API int krhpr_spatial_ups3_a_jacobian_blocks_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes J_lanes[36];
         krhpr_lanes K_lanes[18];
         const int doubtful = krhpr_spatial_ups3_a_jacobian_blocks_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 36, here);
         krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 18, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&J_stream);
     krhpr_stream_close(&K_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_ups3_a_jacobian_blocks(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1039,8 +953,6 @@ KRHPR_API int krhpr_spatial_ups3_a_jacobian_blocks_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1062,9 +974,7 @@ KRHPR_API int krhpr_spatial_ups3_a_jacobian_blocks_soa(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 36, here);
             krhpr_poses_done(K_room, K_at, row, 18, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1142,33 +1052,28 @@ KRHPR_API int krhpr_spatial_ups3_a_jacobians_n_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes J_lanes[81];
         krhpr_lanes K_lanes[81];
         const int doubtful = krhpr_spatial_ups3_a_jacobians_n_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 81, here);
         krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 81, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&J_stream);
     krhpr_stream_close(&K_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_ups3_a_jacobians_n(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1184,8 +1089,6 @@ KRHPR_API int krhpr_spatial_ups3_a_jacobians_n_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1207,9 +1110,7 @@ KRHPR_API int krhpr_spatial_ups3_a_jacobians_n_soa(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 81, here);
             krhpr_poses_done(K_room, K_at, row, 81, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1269,28 +1170,23 @@ KRHPR_API int krhpr_spatial_ups3_a_inverse_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes redundant_lanes[3];
-        krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
+        krhpr_poses_load(redundant_lanes, in[2], k * in_step[2], in_step[2], 3, here);
         krhpr_lanes theta_lanes[9];
         const int doubtful = krhpr_spatial_ups3_a_inverse_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, theta_lanes, &answer);
         krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 9, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&theta_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_ups3_a_inverse(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1306,8 +1202,6 @@ KRHPR_API int krhpr_spatial_ups3_a_inverse_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1323,9 +1217,7 @@ KRHPR_API int krhpr_spatial_ups3_a_inverse_soa(
             const int doubtful = krhpr_spatial_ups3_a_inverse_lanes(
                 g, p_lanes, Q_lanes, redundant_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 9, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1385,28 +1277,23 @@ KRHPR_API int krhpr_spatial_ups3_a_inverse_all_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes redundant_lanes[3];
-        krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
+        krhpr_poses_load(redundant_lanes, in[2], k * in_step[2], in_step[2], 3, here);
         krhpr_lanes theta_lanes[9];
         const int doubtful = krhpr_spatial_ups3_a_inverse_all_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, theta_lanes, &answer);
         krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 9, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&theta_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_ups3_a_inverse_all(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1422,8 +1309,6 @@ KRHPR_API int krhpr_spatial_ups3_a_inverse_all_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1439,9 +1324,7 @@ KRHPR_API int krhpr_spatial_ups3_a_inverse_all_soa(
             const int doubtful = krhpr_spatial_ups3_a_inverse_all_lanes(
                 g, p_lanes, Q_lanes, redundant_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 9, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1454,14 +1337,11 @@ KRHPR_API int krhpr_spatial_ups3_a_inverse_near_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_ups3_a_inverse_near(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1477,24 +1357,19 @@ KRHPR_API int krhpr_spatial_ups3_a_inverse_near_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; ++k) {
             double p_pose[3];
             double Q_pose[9];
             double redundant_pose[3];
             double theta_near_pose[9];
             double theta_pose[9];
-            krhpr_pose_load(p_pose, in[0] + b * in_step[0] + k, row, 3);
-            krhpr_pose_load(Q_pose, in[1] + b * in_step[1] + k, row, 9);
-            krhpr_pose_load(redundant_pose, in[2] + b * in_step[2] + k, row, 3);
-            krhpr_pose_load(theta_near_pose, in[3] + b * in_step[3] + k, row, 9);
+            krhpr_pose_load(p_pose, in[0], b * in_step[0] + k, row, 3);
+            krhpr_pose_load(Q_pose, in[1], b * in_step[1] + k, row, 9);
+            krhpr_pose_load(redundant_pose, in[2], b * in_step[2] + k, row, 3);
+            krhpr_pose_load(theta_near_pose, in[3], b * in_step[3] + k, row, 9);
             const int here = krhpr_spatial_ups3_a_inverse_near(g, p_pose, Q_pose, redundant_pose, theta_near_pose, theta_pose);
             krhpr_pose_store(out[0] + b * out_step[0] + k, row, theta_pose, 9);
-            first = first == KRHPR_OK ? here : first;
-            if (answers != NULL) {
-                answers[k] = here;
-            }
+            first = krhpr_pose_report(here, first, status, b * row + k);
         }
     }
     return first;
@@ -1552,28 +1427,23 @@ KRHPR_API int krhpr_spatial_ups3_a_inverse_status_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes redundant_lanes[3];
-        krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
+        krhpr_poses_load(redundant_lanes, in[2], k * in_step[2], in_step[2], 3, here);
         krhpr_lanes excess_lanes[3];
         const int doubtful = krhpr_spatial_ups3_a_inverse_status_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, excess_lanes, &answer);
         krhpr_stream_put(&excess_stream, out[0] + k * out_step[0], out_step[0], excess_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&excess_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_ups3_a_inverse_status(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1589,8 +1459,6 @@ KRHPR_API int krhpr_spatial_ups3_a_inverse_status_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1606,9 +1474,7 @@ KRHPR_API int krhpr_spatial_ups3_a_inverse_status_soa(
             const int doubtful = krhpr_spatial_ups3_a_inverse_status_lanes(
                 g, p_lanes, Q_lanes, redundant_lanes, excess_lanes, &answer);
             krhpr_poses_done(excess_room, excess_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1680,32 +1546,27 @@ KRHPR_API int krhpr_spatial_ups3_a_twist_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes theta_dot_lanes[9];
-        krhpr_poses_load(theta_dot_lanes, in[4] + k * in_step[4], in_step[4], 9, here);
+        krhpr_poses_load(theta_dot_lanes, in[4], k * in_step[4], in_step[4], 9, here);
         krhpr_lanes twist_lanes[6];
         const int doubtful = krhpr_spatial_ups3_a_twist_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
         krhpr_stream_put(&twist_stream, out[0] + k * out_step[0], out_step[0], twist_lanes, 6, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&twist_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_ups3_a_twist(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1721,8 +1582,6 @@ KRHPR_API int krhpr_spatial_ups3_a_twist_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1742,9 +1601,7 @@ KRHPR_API int krhpr_spatial_ups3_a_twist_soa(
             const int doubtful = krhpr_spatial_ups3_a_twist_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
             krhpr_poses_done(twist_room, twist_at, row, 6, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1803,35 +1660,30 @@ KRHPR_API int krhpr_spatial_ups3_a_joint_rates_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes twist_lanes[6];
-        krhpr_poses_load(twist_lanes, in[4] + k * in_step[4], in_step[4], 6, here);
+        krhpr_poses_load(twist_lanes, in[4], k * in_step[4], in_step[4], 6, here);
         krhpr_lanes redundant_rates_lanes[3];
-        krhpr_poses_load(redundant_rates_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
+        krhpr_poses_load(redundant_rates_lanes, in[5], k * in_step[5], in_step[5], 3, here);
         krhpr_lanes theta_dot_lanes[9];
         const int doubtful = krhpr_spatial_ups3_a_joint_rates_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes, theta_dot_lanes,
             &answer);
         krhpr_stream_put(&theta_dot_stream, out[0] + k * out_step[0], out_step[0], theta_dot_lanes, 9, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&theta_dot_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_ups3_a_joint_rates(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -1847,8 +1699,6 @@ KRHPR_API int krhpr_spatial_ups3_a_joint_rates_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -1871,9 +1721,7 @@ KRHPR_API int krhpr_spatial_ups3_a_joint_rates_soa(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
                 theta_dot_lanes, &answer);
             krhpr_poses_done(theta_dot_room, theta_dot_at, row, 9, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -1955,38 +1803,33 @@ KRHPR_API int krhpr_spatial_ups3_a_platform_acceleration_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes twist_lanes[6];
-        krhpr_poses_load(twist_lanes, in[4] + k * in_step[4], in_step[4], 6, here);
+        krhpr_poses_load(twist_lanes, in[4], k * in_step[4], in_step[4], 6, here);
         krhpr_lanes theta_dot_lanes[9];
-        krhpr_poses_load(theta_dot_lanes, in[5] + k * in_step[5], in_step[5], 9, here);
+        krhpr_poses_load(theta_dot_lanes, in[5], k * in_step[5], in_step[5], 9, here);
         krhpr_lanes theta_ddot_lanes[9];
-        krhpr_poses_load(theta_ddot_lanes, in[6] + k * in_step[6], in_step[6], 9, here);
+        krhpr_poses_load(theta_ddot_lanes, in[6], k * in_step[6], in_step[6], 9, here);
         krhpr_lanes twist_rate_lanes[6];
         const int doubtful = krhpr_spatial_ups3_a_platform_acceleration_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
             twist_rate_lanes, &answer);
         krhpr_stream_put(&twist_rate_stream, out[0] + k * out_step[0], out_step[0], twist_rate_lanes, 6, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&twist_rate_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_ups3_a_platform_acceleration(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
             out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2002,8 +1845,6 @@ KRHPR_API int krhpr_spatial_ups3_a_platform_acceleration_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2028,9 +1869,7 @@ KRHPR_API int krhpr_spatial_ups3_a_platform_acceleration_soa(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
                 twist_rate_lanes, &answer);
             krhpr_poses_done(twist_rate_room, twist_rate_at, row, 6, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2106,42 +1945,37 @@ KRHPR_API int krhpr_spatial_ups3_a_joint_accelerations_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes twist_lanes[6];
-        krhpr_poses_load(twist_lanes, in[4] + k * in_step[4], in_step[4], 6, here);
+        krhpr_poses_load(twist_lanes, in[4], k * in_step[4], in_step[4], 6, here);
         krhpr_lanes redundant_rates_lanes[3];
-        krhpr_poses_load(redundant_rates_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
+        krhpr_poses_load(redundant_rates_lanes, in[5], k * in_step[5], in_step[5], 3, here);
         krhpr_lanes theta_dot_lanes[9];
-        krhpr_poses_load(theta_dot_lanes, in[6] + k * in_step[6], in_step[6], 9, here);
+        krhpr_poses_load(theta_dot_lanes, in[6], k * in_step[6], in_step[6], 9, here);
         krhpr_lanes twist_rate_lanes[6];
-        krhpr_poses_load(twist_rate_lanes, in[7] + k * in_step[7], in_step[7], 6, here);
+        krhpr_poses_load(twist_rate_lanes, in[7], k * in_step[7], in_step[7], 6, here);
         krhpr_lanes redundant_accelerations_lanes[3];
-        krhpr_poses_load(redundant_accelerations_lanes, in[8] + k * in_step[8], in_step[8], 3, here);
+        krhpr_poses_load(redundant_accelerations_lanes, in[8], k * in_step[8], in_step[8], 3, here);
         krhpr_lanes theta_ddot_lanes[9];
         const int doubtful = krhpr_spatial_ups3_a_joint_accelerations_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes, theta_dot_lanes,
             twist_rate_lanes, redundant_accelerations_lanes, theta_ddot_lanes, &answer);
         krhpr_stream_put(&theta_ddot_stream, out[0] + k * out_step[0], out_step[0], theta_ddot_lanes, 9, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&theta_ddot_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_ups3_a_joint_accelerations(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
             in[7] + k * in_step[7], in[8] + k * in_step[8], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2157,8 +1991,6 @@ KRHPR_API int krhpr_spatial_ups3_a_joint_accelerations_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2187,9 +2019,7 @@ KRHPR_API int krhpr_spatial_ups3_a_joint_accelerations_soa(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
                 theta_dot_lanes, twist_rate_lanes, redundant_accelerations_lanes, theta_ddot_lanes, &answer);
             krhpr_poses_done(theta_ddot_room, theta_ddot_at, row, 9, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2267,35 +2097,30 @@ KRHPR_API int krhpr_spatial_ups3_a_inverse_statics_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes wrench_lanes[6];
-        krhpr_poses_load(wrench_lanes, in[4] + k * in_step[4], in_step[4], 6, here);
+        krhpr_poses_load(wrench_lanes, in[4], k * in_step[4], in_step[4], 6, here);
         krhpr_lanes redundant_forces_lanes[3];
-        krhpr_poses_load(redundant_forces_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
+        krhpr_poses_load(redundant_forces_lanes, in[5], k * in_step[5], in_step[5], 3, here);
         krhpr_lanes actuator_forces_lanes[9];
         const int doubtful = krhpr_spatial_ups3_a_inverse_statics_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, wrench_lanes, redundant_forces_lanes,
             actuator_forces_lanes, &answer);
         krhpr_stream_put(&actuator_forces_stream, out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 9, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&actuator_forces_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_ups3_a_inverse_statics(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2311,8 +2136,6 @@ KRHPR_API int krhpr_spatial_ups3_a_inverse_statics_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2335,9 +2158,7 @@ KRHPR_API int krhpr_spatial_ups3_a_inverse_statics_soa(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, wrench_lanes, redundant_forces_lanes,
                 actuator_forces_lanes, &answer);
             krhpr_poses_done(actuator_forces_room, actuator_forces_at, row, 9, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2405,15 +2226,15 @@ KRHPR_API int krhpr_spatial_ups3_a_forward_statics_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes actuator_forces_lanes[9];
-        krhpr_poses_load(actuator_forces_lanes, in[4] + k * in_step[4], in_step[4], 9, here);
+        krhpr_poses_load(actuator_forces_lanes, in[4], k * in_step[4], in_step[4], 9, here);
         krhpr_lanes wrench_lanes[6];
         krhpr_lanes redundant_forces_lanes[3];
         const int doubtful = krhpr_spatial_ups3_a_forward_statics_lanes(
@@ -2421,21 +2242,16 @@ KRHPR_API int krhpr_spatial_ups3_a_forward_statics_batch(
             redundant_forces_lanes, &answer);
         krhpr_stream_put(&wrench_stream, out[0] + k * out_step[0], out_step[0], wrench_lanes, 6, here);
         krhpr_stream_put(&redundant_forces_stream, out[1] + k * out_step[1], out_step[1], redundant_forces_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&wrench_stream);
     krhpr_stream_close(&redundant_forces_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_ups3_a_forward_statics(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], in[4] + k * in_step[4], out[0] + k * out_step[0],
             out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2451,8 +2267,6 @@ KRHPR_API int krhpr_spatial_ups3_a_forward_statics_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2477,9 +2291,7 @@ KRHPR_API int krhpr_spatial_ups3_a_forward_statics_soa(
                 redundant_forces_lanes, &answer);
             krhpr_poses_done(wrench_room, wrench_at, row, 6, here);
             krhpr_poses_done(redundant_forces_room, redundant_forces_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2551,13 +2363,13 @@ KRHPR_API int krhpr_spatial_ups3_a_passive_joints_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes passive_lanes[18];
         krhpr_lanes spherical_lanes[27];
         krhpr_lanes platform_joint_lanes[3];
@@ -2567,22 +2379,17 @@ KRHPR_API int krhpr_spatial_ups3_a_passive_joints_batch(
         krhpr_stream_put(&passive_stream, out[0] + k * out_step[0], out_step[0], passive_lanes, 18, here);
         krhpr_stream_put(&spherical_stream, out[1] + k * out_step[1], out_step[1], spherical_lanes, 27, here);
         krhpr_stream_put(&platform_joint_stream, out[2] + k * out_step[2], out_step[2], platform_joint_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&passive_stream);
     krhpr_stream_close(&spherical_stream);
     krhpr_stream_close(&platform_joint_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_ups3_a_passive_joints(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2598,8 +2405,6 @@ KRHPR_API int krhpr_spatial_ups3_a_passive_joints_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2626,9 +2431,7 @@ KRHPR_API int krhpr_spatial_ups3_a_passive_joints_soa(
             krhpr_poses_done(passive_room, passive_at, row, 18, here);
             krhpr_poses_done(spherical_room, spherical_at, row, 27, here);
             krhpr_poses_done(platform_joint_room, platform_joint_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2679,33 +2482,28 @@ KRHPR_API int krhpr_spatial_ups3_a_link_points_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes points_lanes[36];
         krhpr_lanes attachment_lanes[9];
         const int doubtful = krhpr_spatial_ups3_a_link_points_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
         krhpr_stream_put(&points_stream, out[0] + k * out_step[0], out_step[0], points_lanes, 36, here);
         krhpr_stream_put(&attachment_stream, out[1] + k * out_step[1], out_step[1], attachment_lanes, 9, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&points_stream);
     krhpr_stream_close(&attachment_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_ups3_a_link_points(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2721,8 +2519,6 @@ KRHPR_API int krhpr_spatial_ups3_a_link_points_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2744,9 +2540,7 @@ KRHPR_API int krhpr_spatial_ups3_a_link_points_soa(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
             krhpr_poses_done(points_room, points_at, row, 36, here);
             krhpr_poses_done(attachment_room, attachment_at, row, 9, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2822,30 +2616,25 @@ KRHPR_API int krhpr_spatial_ups3_a_clearances_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes distances_lanes[78];
         const int doubtful = krhpr_spatial_ups3_a_clearances_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, distances_lanes, &answer);
         krhpr_stream_put(&distances_stream, out[0] + k * out_step[0], out_step[0], distances_lanes, 78, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&distances_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_ups3_a_clearances(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2861,8 +2650,6 @@ KRHPR_API int krhpr_spatial_ups3_a_clearances_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -2880,9 +2667,7 @@ KRHPR_API int krhpr_spatial_ups3_a_clearances_soa(
             const int doubtful = krhpr_spatial_ups3_a_clearances_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, distances_lanes, &answer);
             krhpr_poses_done(distances_room, distances_at, row, 78, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -2946,13 +2731,13 @@ KRHPR_API int krhpr_spatial_ups3_a_singularity_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes type_1_lanes[3];
         krhpr_lanes factors_lanes[12];
         krhpr_lanes type_2_lanes[2];
@@ -2964,23 +2749,18 @@ KRHPR_API int krhpr_spatial_ups3_a_singularity_batch(
         krhpr_stream_put(&factors_stream, out[1] + k * out_step[1], out_step[1], factors_lanes, 12, here);
         krhpr_stream_put(&type_2_stream, out[2] + k * out_step[2], out_step[2], type_2_lanes, 2, here);
         krhpr_stream_put(&margins_stream, out[3] + k * out_step[3], out_step[3], margins_lanes, 2, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&type_1_stream);
     krhpr_stream_close(&factors_stream);
     krhpr_stream_close(&type_2_stream);
     krhpr_stream_close(&margins_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_ups3_a_singularity(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -2996,8 +2776,6 @@ KRHPR_API int krhpr_spatial_ups3_a_singularity_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -3028,9 +2806,7 @@ KRHPR_API int krhpr_spatial_ups3_a_singularity_soa(
             krhpr_poses_done(factors_room, factors_at, row, 12, here);
             krhpr_poses_done(type_2_room, type_2_at, row, 2, here);
             krhpr_poses_done(margins_room, margins_at, row, 2, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -3087,26 +2863,21 @@ KRHPR_API int krhpr_spatial_ups3_a_type_2_of_redundant_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes redundant_lanes[3];
-        krhpr_poses_load(redundant_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(redundant_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes type_2_lanes[2];
         krhpr_lanes margins_lanes[2];
         const int doubtful = krhpr_spatial_ups3_a_type_2_of_redundant_lanes(
             g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
         krhpr_stream_put(&type_2_stream, out[0] + k * out_step[0], out_step[0], type_2_lanes, 2, here);
         krhpr_stream_put(&margins_stream, out[1] + k * out_step[1], out_step[1], margins_lanes, 2, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&type_2_stream);
     krhpr_stream_close(&margins_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_ups3_a_type_2_of_redundant(
             g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3122,8 +2893,6 @@ KRHPR_API int krhpr_spatial_ups3_a_type_2_of_redundant_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -3139,9 +2908,7 @@ KRHPR_API int krhpr_spatial_ups3_a_type_2_of_redundant_soa(
                 g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
             krhpr_poses_done(type_2_room, type_2_at, row, 2, here);
             krhpr_poses_done(margins_room, margins_at, row, 2, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -3241,15 +3008,15 @@ KRHPR_API int krhpr_spatial_ups3_a_indices_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes characteristic_length_lanes[1];
-        krhpr_poses_load(characteristic_length_lanes, in[4] + k * in_step[4], in_step[4], 1, here);
+        krhpr_poses_load(characteristic_length_lanes, in[4], k * in_step[4], in_step[4], 1, here);
         krhpr_lanes eta_1_lanes[1];
         krhpr_lanes eta_2_lanes[1];
         krhpr_lanes eta_3_lanes[1];
@@ -3261,23 +3028,18 @@ KRHPR_API int krhpr_spatial_ups3_a_indices_batch(
         krhpr_stream_put(&eta_2_stream, out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
         krhpr_stream_put(&eta_3_stream, out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
         krhpr_stream_put(&condition_stream, out[3] + k * out_step[3], out_step[3], condition_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&eta_1_stream);
     krhpr_stream_close(&eta_2_stream);
     krhpr_stream_close(&eta_3_stream);
     krhpr_stream_close(&condition_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_ups3_a_indices(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], *(in[4] + k * in_step[4]), out[0] + k * out_step[0],
             out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3293,8 +3055,6 @@ KRHPR_API int krhpr_spatial_ups3_a_indices_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -3327,9 +3087,7 @@ KRHPR_API int krhpr_spatial_ups3_a_indices_soa(
             krhpr_poses_done(eta_2_room, eta_2_at, row, 1, here);
             krhpr_poses_done(eta_3_room, eta_3_at, row, 1, here);
             krhpr_poses_done(condition_room, condition_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -3426,15 +3184,15 @@ KRHPR_API int krhpr_spatial_ups3_a_index_bounds_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
-        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_poses_load(p_lanes, in[0], k * in_step[0], in_step[0], 3, here);
         krhpr_lanes Q_lanes[9];
-        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_poses_load(Q_lanes, in[1], k * in_step[1], in_step[1], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(s_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes theta_lanes[9];
-        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_poses_load(theta_lanes, in[3], k * in_step[3], in_step[3], 9, here);
         krhpr_lanes characteristic_length_lanes[1];
-        krhpr_poses_load(characteristic_length_lanes, in[4] + k * in_step[4], in_step[4], 1, here);
+        krhpr_poses_load(characteristic_length_lanes, in[4], k * in_step[4], in_step[4], 1, here);
         krhpr_lanes eta_1_lanes[1];
         krhpr_lanes eta_2_lanes[1];
         krhpr_lanes eta_3_lanes[1];
@@ -3444,22 +3202,17 @@ KRHPR_API int krhpr_spatial_ups3_a_index_bounds_batch(
         krhpr_stream_put(&eta_1_stream, out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
         krhpr_stream_put(&eta_2_stream, out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
         krhpr_stream_put(&eta_3_stream, out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&eta_1_stream);
     krhpr_stream_close(&eta_2_stream);
     krhpr_stream_close(&eta_3_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_ups3_a_index_bounds(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             in[3] + k * in_step[3], *(in[4] + k * in_step[4]), out[0] + k * out_step[0],
             out[1] + k * out_step[1], out[2] + k * out_step[2]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3475,8 +3228,6 @@ KRHPR_API int krhpr_spatial_ups3_a_index_bounds_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -3505,9 +3256,7 @@ KRHPR_API int krhpr_spatial_ups3_a_index_bounds_soa(
             krhpr_poses_done(eta_1_room, eta_1_at, row, 1, here);
             krhpr_poses_done(eta_2_room, eta_2_at, row, 1, here);
             krhpr_poses_done(eta_3_room, eta_3_at, row, 1, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -3520,15 +3269,12 @@ KRHPR_API int krhpr_spatial_ups3_a_forward_all_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_ups3_a_forward_all(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), out[0] + k * out_step[0],
             out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3],
             out[4] + k * out_step[4], out[5] + k * out_step[5]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3544,8 +3290,6 @@ KRHPR_API int krhpr_spatial_ups3_a_forward_all_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; ++k) {
             double s_pose[9];
             double turned_pose[1];
@@ -3555,8 +3299,8 @@ KRHPR_API int krhpr_spatial_ups3_a_forward_all_soa(
             double det_J_pose[6];
             double count_pose[1];
             double doubtful_pose[1];
-            krhpr_pose_load(s_pose, in[0] + b * in_step[0] + k, row, 9);
-            krhpr_pose_load(turned_pose, in[1] + b * in_step[1] + k, row, 1);
+            krhpr_pose_load(s_pose, in[0], b * in_step[0] + k, row, 9);
+            krhpr_pose_load(turned_pose, in[1], b * in_step[1] + k, row, 1);
             const int here = krhpr_spatial_ups3_a_forward_all(
                 g, s_pose, turned_pose[0], p_pose, Q_pose, redundant_pose, det_J_pose, count_pose,
                 doubtful_pose);
@@ -3566,10 +3310,7 @@ KRHPR_API int krhpr_spatial_ups3_a_forward_all_soa(
             krhpr_pose_store(out[3] + b * out_step[3] + k, row, det_J_pose, 6);
             krhpr_pose_store(out[4] + b * out_step[4] + k, row, count_pose, 1);
             krhpr_pose_store(out[5] + b * out_step[5] + k, row, doubtful_pose, 1);
-            first = first == KRHPR_OK ? here : first;
-            if (answers != NULL) {
-                answers[k] = here;
-            }
+            first = krhpr_pose_report(here, first, status, b * row + k);
         }
     }
     return first;
@@ -3582,15 +3323,12 @@ KRHPR_API int krhpr_spatial_ups3_a_forward_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_ups3_a_forward(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] ? in[2] + k * in_step[2] : NULL,
             *(in[3] + k * in_step[3]), out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2], out[3] + k * out_step[3], out[4] + k * out_step[4]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3606,8 +3344,6 @@ KRHPR_API int krhpr_spatial_ups3_a_forward_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; ++k) {
             double theta_pose[9];
             double s_near_pose[9];
@@ -3618,12 +3354,10 @@ KRHPR_API int krhpr_spatial_ups3_a_forward_soa(
             double redundant_pose[3];
             double count_pose[1];
             double certified_pose[1];
-            krhpr_pose_load(theta_pose, in[0] + b * in_step[0] + k, row, 9);
-            krhpr_pose_load(s_near_pose, in[1] + b * in_step[1] + k, row, 9);
-            if (in[2] != NULL) {
-                krhpr_pose_load(box_pose, in[2] + b * in_step[2] + k, row, 6);
-            }
-            krhpr_pose_load(turned_pose, in[3] + b * in_step[3] + k, row, 1);
+            krhpr_pose_load(theta_pose, in[0], b * in_step[0] + k, row, 9);
+            krhpr_pose_load(s_near_pose, in[1], b * in_step[1] + k, row, 9);
+            krhpr_pose_load(box_pose, in[2], b * in_step[2] + k, row, 6);
+            krhpr_pose_load(turned_pose, in[3], b * in_step[3] + k, row, 1);
             const int here = krhpr_spatial_ups3_a_forward(
                 g, theta_pose, s_near_pose, in[2] ? box_pose : NULL, turned_pose[0], p_pose, Q_pose,
                 redundant_pose, count_pose, certified_pose);
@@ -3632,10 +3366,7 @@ KRHPR_API int krhpr_spatial_ups3_a_forward_soa(
             krhpr_pose_store(out[2] + b * out_step[2] + k, row, redundant_pose, 3);
             krhpr_pose_store(out[3] + b * out_step[3] + k, row, count_pose, 1);
             krhpr_pose_store(out[4] + b * out_step[4] + k, row, certified_pose, 1);
-            first = first == KRHPR_OK ? here : first;
-            if (answers != NULL) {
-                answers[k] = here;
-            }
+            first = krhpr_pose_report(here, first, status, b * row + k);
         }
     }
     return first;
@@ -3744,11 +3475,11 @@ KRHPR_API int krhpr_spatial_ups3_a_forward_newton_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes p_near_lanes[3];
-        krhpr_poses_load(p_near_lanes, in[1] + k * in_step[1], in_step[1], 3, here);
+        krhpr_poses_load(p_near_lanes, in[1], k * in_step[1], in_step[1], 3, here);
         krhpr_lanes Q_near_lanes[9];
-        krhpr_poses_load(Q_near_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_poses_load(Q_near_lanes, in[2], k * in_step[2], in_step[2], 9, here);
         krhpr_lanes p_lanes[3];
         krhpr_lanes Q_lanes[9];
         krhpr_lanes redundant_lanes[3];
@@ -3760,23 +3491,18 @@ KRHPR_API int krhpr_spatial_ups3_a_forward_newton_batch(
         krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_stream_put(&redundant_stream, out[2] + k * out_step[2], out_step[2], redundant_lanes, 3, here);
         krhpr_stream_put(&kantorovich_stream, out[3] + k * out_step[3], out_step[3], kantorovich_lanes, 1, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&p_stream);
     krhpr_stream_close(&Q_stream);
     krhpr_stream_close(&redundant_stream);
     krhpr_stream_close(&kantorovich_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_ups3_a_forward_newton(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
             out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
             out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3792,8 +3518,6 @@ KRHPR_API int krhpr_spatial_ups3_a_forward_newton_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -3822,9 +3546,7 @@ KRHPR_API int krhpr_spatial_ups3_a_forward_newton_soa(
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
             krhpr_poses_done(kantorovich_room, kantorovich_at, row, 1, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -3899,11 +3621,11 @@ KRHPR_API int krhpr_spatial_ups3_a_forward_encoders_1_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes measured_lanes[1];
-        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_poses_load(measured_lanes, in[1], k * in_step[1], in_step[1], 1, here);
         krhpr_lanes tolerance_lanes[1];
-        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_poses_load(tolerance_lanes, in[2], k * in_step[2], in_step[2], 1, here);
         krhpr_lanes p_lanes[6];
         krhpr_lanes Q_lanes[18];
         krhpr_lanes mismatch_lanes[2];
@@ -3912,21 +3634,16 @@ KRHPR_API int krhpr_spatial_ups3_a_forward_encoders_1_batch(
         krhpr_stream_put(&p_stream, out[0] + k * out_step[0], out_step[0], p_lanes, 6, here);
         krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 18, here);
         krhpr_stream_put(&mismatch_stream, out[2] + k * out_step[2], out_step[2], mismatch_lanes, 2, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&p_stream);
     krhpr_stream_close(&Q_stream);
     krhpr_stream_close(&mismatch_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_ups3_a_forward_encoders_1(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
             out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -3942,8 +3659,6 @@ KRHPR_API int krhpr_spatial_ups3_a_forward_encoders_1_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -3967,9 +3682,7 @@ KRHPR_API int krhpr_spatial_ups3_a_forward_encoders_1_soa(
             krhpr_poses_done(p_room, p_at, row, 6, here);
             krhpr_poses_done(Q_room, Q_at, row, 18, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 2, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -3982,16 +3695,13 @@ KRHPR_API int krhpr_spatial_ups3_a_passive_joints_of_theta_batch(
     ptrdiff_t status_step)
 {
     int first = KRHPR_OK;
-for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = 0; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_ups3_a_passive_joints_of_theta(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] ? in[2] + k * in_step[2] : NULL,
             *(in[3] + k * in_step[3]), out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2], out[3] + k * out_step[3], out[4] + k * out_step[4],
             out[5] + k * out_step[5]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -4007,8 +3717,6 @@ KRHPR_API int krhpr_spatial_ups3_a_passive_joints_of_theta_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; ++k) {
             double theta_pose[9];
             double s_near_pose[9];
@@ -4020,12 +3728,10 @@ KRHPR_API int krhpr_spatial_ups3_a_passive_joints_of_theta_soa(
             double p_pose[3];
             double Q_pose[9];
             double redundant_pose[3];
-            krhpr_pose_load(theta_pose, in[0] + b * in_step[0] + k, row, 9);
-            krhpr_pose_load(s_near_pose, in[1] + b * in_step[1] + k, row, 9);
-            if (in[2] != NULL) {
-                krhpr_pose_load(box_pose, in[2] + b * in_step[2] + k, row, 6);
-            }
-            krhpr_pose_load(turned_pose, in[3] + b * in_step[3] + k, row, 1);
+            krhpr_pose_load(theta_pose, in[0], b * in_step[0] + k, row, 9);
+            krhpr_pose_load(s_near_pose, in[1], b * in_step[1] + k, row, 9);
+            krhpr_pose_load(box_pose, in[2], b * in_step[2] + k, row, 6);
+            krhpr_pose_load(turned_pose, in[3], b * in_step[3] + k, row, 1);
             const int here = krhpr_spatial_ups3_a_passive_joints_of_theta(
                 g, theta_pose, s_near_pose, in[2] ? box_pose : NULL, turned_pose[0], passive_pose,
                 spherical_pose, platform_joint_pose, p_pose, Q_pose, redundant_pose);
@@ -4035,10 +3741,7 @@ KRHPR_API int krhpr_spatial_ups3_a_passive_joints_of_theta_soa(
             krhpr_pose_store(out[3] + b * out_step[3] + k, row, p_pose, 3);
             krhpr_pose_store(out[4] + b * out_step[4] + k, row, Q_pose, 9);
             krhpr_pose_store(out[5] + b * out_step[5] + k, row, redundant_pose, 3);
-            first = first == KRHPR_OK ? here : first;
-            if (answers != NULL) {
-                answers[k] = here;
-            }
+            first = krhpr_pose_report(here, first, status, b * row + k);
         }
     }
     return first;
@@ -4126,11 +3829,11 @@ KRHPR_API int krhpr_spatial_ups3_a_forward_encoders_2_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes measured_lanes[2];
-        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
+        krhpr_poses_load(measured_lanes, in[1], k * in_step[1], in_step[1], 2, here);
         krhpr_lanes tolerance_lanes[1];
-        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_poses_load(tolerance_lanes, in[2], k * in_step[2], in_step[2], 1, here);
         krhpr_lanes p_lanes[3];
         krhpr_lanes Q_lanes[9];
         krhpr_lanes raw_lanes[9];
@@ -4142,23 +3845,18 @@ KRHPR_API int krhpr_spatial_ups3_a_forward_encoders_2_batch(
         krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
         krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&p_stream);
     krhpr_stream_close(&Q_stream);
     krhpr_stream_close(&raw_stream);
     krhpr_stream_close(&mismatch_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_ups3_a_forward_encoders_2(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
             out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
             out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -4174,8 +3872,6 @@ KRHPR_API int krhpr_spatial_ups3_a_forward_encoders_2_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -4204,9 +3900,7 @@ KRHPR_API int krhpr_spatial_ups3_a_forward_encoders_2_soa(
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 1, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -4294,11 +3988,11 @@ KRHPR_API int krhpr_spatial_ups3_a_forward_encoders_3_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes measured_lanes[3];
-        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 3, here);
+        krhpr_poses_load(measured_lanes, in[1], k * in_step[1], in_step[1], 3, here);
         krhpr_lanes tolerance_lanes[1];
-        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_poses_load(tolerance_lanes, in[2], k * in_step[2], in_step[2], 1, here);
         krhpr_lanes p_lanes[3];
         krhpr_lanes Q_lanes[9];
         krhpr_lanes raw_lanes[9];
@@ -4310,23 +4004,18 @@ KRHPR_API int krhpr_spatial_ups3_a_forward_encoders_3_batch(
         krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
         krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&p_stream);
     krhpr_stream_close(&Q_stream);
     krhpr_stream_close(&raw_stream);
     krhpr_stream_close(&mismatch_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_ups3_a_forward_encoders_3(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
             out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
             out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -4342,8 +4031,6 @@ KRHPR_API int krhpr_spatial_ups3_a_forward_encoders_3_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -4372,9 +4059,7 @@ KRHPR_API int krhpr_spatial_ups3_a_forward_encoders_3_soa(
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -4487,13 +4172,13 @@ KRHPR_API int krhpr_spatial_ups3_a_forward_gauss_newton_2_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes measured_lanes[2];
-        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
+        krhpr_poses_load(measured_lanes, in[1], k * in_step[1], in_step[1], 2, here);
         krhpr_lanes tolerance_lanes[1];
-        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_poses_load(tolerance_lanes, in[2], k * in_step[2], in_step[2], 1, here);
         krhpr_lanes weights_lanes[3];
-        krhpr_poses_load(weights_lanes, in[3] + k * in_step[3], in_step[3], 3, here);
+        krhpr_poses_load(weights_lanes, in[3], k * in_step[3], in_step[3], 3, here);
         krhpr_lanes p_lanes[3];
         krhpr_lanes Q_lanes[9];
         krhpr_lanes raw_lanes[9];
@@ -4505,23 +4190,18 @@ KRHPR_API int krhpr_spatial_ups3_a_forward_gauss_newton_2_batch(
         krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
         krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&p_stream);
     krhpr_stream_close(&Q_stream);
     krhpr_stream_close(&raw_stream);
     krhpr_stream_close(&mismatch_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_ups3_a_forward_gauss_newton_2(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -4537,8 +4217,6 @@ KRHPR_API int krhpr_spatial_ups3_a_forward_gauss_newton_2_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -4569,9 +4247,7 @@ KRHPR_API int krhpr_spatial_ups3_a_forward_gauss_newton_2_soa(
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 1, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
@@ -4683,13 +4359,13 @@ KRHPR_API int krhpr_spatial_ups3_a_forward_gauss_newton_3_batch(
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
-        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_poses_load(s_lanes, in[0], k * in_step[0], in_step[0], 9, here);
         krhpr_lanes measured_lanes[3];
-        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 3, here);
+        krhpr_poses_load(measured_lanes, in[1], k * in_step[1], in_step[1], 3, here);
         krhpr_lanes tolerance_lanes[1];
-        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_poses_load(tolerance_lanes, in[2], k * in_step[2], in_step[2], 1, here);
         krhpr_lanes weights_lanes[3];
-        krhpr_poses_load(weights_lanes, in[3] + k * in_step[3], in_step[3], 3, here);
+        krhpr_poses_load(weights_lanes, in[3], k * in_step[3], in_step[3], 3, here);
         krhpr_lanes p_lanes[3];
         krhpr_lanes Q_lanes[9];
         krhpr_lanes raw_lanes[9];
@@ -4701,23 +4377,18 @@ KRHPR_API int krhpr_spatial_ups3_a_forward_gauss_newton_3_batch(
         krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
         krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
-        if (doubtful || status != NULL) {
-            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
-        }
+        first = krhpr_poses_report(doubtful, &answer, here, first, status, k, status_step);
     }
     krhpr_stream_close(&p_stream);
     krhpr_stream_close(&Q_stream);
     krhpr_stream_close(&raw_stream);
     krhpr_stream_close(&mismatch_stream);
-for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+    for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_ups3_a_forward_gauss_newton_3(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
             in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1],
             out[2] + k * out_step[2], out[3] + k * out_step[3]);
-        first = first == KRHPR_OK ? here : first;
-        if (status != NULL) {
-            status[k * status_step] = here;
-        }
+        first = krhpr_pose_report(here, first, status, k * status_step);
     }
     return first;
 }
@@ -4733,8 +4404,6 @@ KRHPR_API int krhpr_spatial_ups3_a_forward_gauss_newton_3_soa(
     for (ptrdiff_t b = 0; b < blocks; ++b) {
         const ptrdiff_t left = (ptrdiff_t)count - b * row;
         const ptrdiff_t size = left < row ? left : row;
-        int *const answers = status == NULL ? NULL : status + b * row;
-
         for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
@@ -4765,9 +4434,7 @@ KRHPR_API int krhpr_spatial_ups3_a_forward_gauss_newton_3_soa(
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 3, here);
-            if (doubtful || answers != NULL) {
-                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
-            }
+            first = krhpr_poses_report(doubtful, &answer, here, first, status, b * row + k, 1);
         }
     }
     return first;
