@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from krhpr.codegen.composition import (
+    SINGULAR_TOLERANCE,
     Call,
     EachRoot,
     Guard,
@@ -16,7 +17,7 @@ from krhpr.codegen.composition import (
     Step,
 )
 from krhpr.codegen.kernel import Frame, Layout, Port, Unit
-from krhpr.codegen.status import SINGULAR_TOLERANCE, Status
+from krhpr.codegen.status import Status
 from krhpr.derivations.platforms.encoders import (
     MISMATCHES,
     TOLERANCE,

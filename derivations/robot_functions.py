@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from krhpr.codegen.composition import Call, Guard, Relation, Repeat, RobotFunction, Stage
+from krhpr.codegen.composition import SINGULAR_TOLERANCE, Call, Guard, Relation, Repeat, RobotFunction, Stage
 from krhpr.codegen.kernel import Frame, Layout, Port, Unit
-from krhpr.codegen.status import SINGULAR_TOLERANCE, Status
+from krhpr.codegen.status import Status
 from krhpr.derivations.terms import Space
 
 if TYPE_CHECKING:

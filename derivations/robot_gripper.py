@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from krhpr.codegen.composition import Call, Guard, Relation, RobotFunction, Stage
-from krhpr.codegen.status import SINGULAR_TOLERANCE, Status
+from krhpr.codegen.composition import SINGULAR_TOLERANCE, Call, Guard, Relation, RobotFunction, Stage
+from krhpr.codegen.status import Status
 from krhpr.derivations.platforms.grasp import GraspPorts
 from krhpr.derivations.platforms.opening import CENTRE, JAWS, OPENING, SHARES
 from krhpr.derivations.robot_functions import FunctionsOf

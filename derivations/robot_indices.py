@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from krhpr.codegen.composition import Call, Guard, Relation, RobotFunction, Stage
+from krhpr.codegen.composition import SINGULAR_TOLERANCE, Call, Guard, Relation, RobotFunction, Stage
 from krhpr.codegen.kernel import Frame, Port, Unit
-from krhpr.codegen.status import SINGULAR_TOLERANCE, Status
+from krhpr.codegen.status import Status
 from krhpr.derivations.robot_functions import FunctionsOf
 
 

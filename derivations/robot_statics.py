@@ -11,9 +11,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from krhpr.codegen.composition import Call, Guard, Relation, RobotFunction, Stage
+from krhpr.codegen.composition import SINGULAR_TOLERANCE, Call, Guard, Relation, RobotFunction, Stage
 from krhpr.codegen.kernel import Layout
-from krhpr.codegen.status import SINGULAR_TOLERANCE, Status
+from krhpr.codegen.status import Status
 from krhpr.derivations.platforms.statics import StaticsPorts as PlatformStatics
 from krhpr.derivations.robot_functions import FunctionsOf
 from krhpr.derivations.sublegs.statics import StaticsPorts as SubLegStatics

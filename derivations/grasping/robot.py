@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
-from krhpr.codegen.composition import Call, Guard, Relation, RobotFunction, Stage
+from krhpr.codegen.composition import SINGULAR_TOLERANCE, Call, Guard, Relation, RobotFunction, Stage
 from krhpr.codegen.kernel import Frame, Layout, Port, Unit
-from krhpr.codegen.status import SINGULAR_TOLERANCE, Status
+from krhpr.codegen.status import Status
 from krhpr.derivations.grasping.jaws import SOLUTIONS, Jaws
 from krhpr.derivations.grasping.ports import (
     ACTUATORS,

@@ -160,6 +160,7 @@ class FiveBar(Linkage):
         alignment = k.let("delta", cross2(v_1, rod), "e_2^T (v_1 x v_2)")
         ratio = self._ratio(k)
         return PlaneVelocity(
+            # (1.10), (1.11) without their first row, which is the carrier's
             A=sp.Matrix([[v_1[0], v_1[1]], [rod[0], rod[1]]]),
             B=sp.Matrix([[b_22, 0], [b_32, b_33]]),
             determinant=b_22 * b_33 / alignment,

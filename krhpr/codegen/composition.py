@@ -183,6 +183,10 @@ coordinates.
 """
 
 
+SINGULAR_TOLERANCE = 1e-12
+"""A dimensionless factor of a determinant below this is singular."""
+
+
 @dataclass(frozen=True)
 class Guard:
     """A value that must keep a limit; where it does not (or is NaN) the answer is NaN and the status says

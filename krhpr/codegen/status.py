@@ -54,6 +54,3 @@ STATUS_DOC = {
         "faces meet in a point, or the contacts are in line"
     ),
 }
-
-SINGULAR_TOLERANCE = 1e-12
-"""A dimensionless factor of a determinant below this is singular."""

@@ -177,20 +177,29 @@ def first_principles(subject: Subject, here: Configuration, leg: int, found: Mea
 
 
 def thesis_matrices(subject: Subject, here: Configuration, leg: int, found: Measured) -> None:
-    """The printed matrices: M, and A and B up to combinations of their rows."""
-    printed = thesis.VELOCITY[subject.code.subleg.name](
-        fields(here, leg), here.leg("s", leg), here.leg("theta", leg)
-    )
+    """The printed matrices, row by row; A and B in the combination of rows that the derivation states."""
+    name, g = subject.code.subleg.name, fields(here, leg)
+    printed = thesis.VELOCITY[name](g, here.leg("s", leg), here.leg("theta", leg))
     found.equal(jacobian(here, leg), printed.M, "M")
-    if printed.A is None or printed.B is None or printed.A_inverse is None:
+    if printed.A is None or printed.B is None:
         return
     n, d = subject.subleg.n, subject.subleg.space.dimension
     at = here.kernel("subleg", equations_kernel(subject.subleg), leg, **posture(here, leg))
-    found.equal(times(printed.A, printed.A_inverse), identity(d), "A A^-1")
-    combined = times(times(matrix(at["A"], d), transpose(matrix(at["F"], d))), printed.A_inverse)
-    found.equal(matrix(at["B"], n), times(combined, printed.B), "B")
-    if determinant(combined) == 0:
-        found.worse(1.0, "rows of A: two are the same equation")
+    rows = _rows_with_coupler(g) if name in COUPLED else identity(d)
+    found.equal(times(matrix(at["A"], d), transpose(matrix(at["F"], d))), times(rows, printed.A), "A")
+    found.equal(matrix(at["B"], n), times(rows, printed.B), "B")
+    if printed.A_inverse is not None:
+        found.equal(times(printed.A, printed.A_inverse), identity(d), "A A^-1")
+
+
+COUPLED = ("subleg_r_fivebar", "subleg_p_fivebar")
+"""Sub-legs whose rod ends beyond the joint of crank and distal link."""
+
+
+def _rows_with_coupler(g: dict[str, Any]) -> Matrix:
+    """The third row over k, less k times the second, where w = k v_1, (A.16)."""
+    ratio, zero, one = 1 - g["l_5"] / g["l_6"], Exact(0), Exact(1)
+    return [[one, zero, zero], [zero, one, zero], [zero, -ratio, 1 / ratio]]
 
 
 def products(subject: Subject, here: Configuration, leg: int, found: Measured) -> None:

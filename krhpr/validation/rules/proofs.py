@@ -50,10 +50,10 @@ SUBLEG_PROOFS = (
         "velocity",
         EXACT,
         MANY,
-        "M equals the thesis' matrix written in the base frame, and A and B are combinations of the rows of "
-        "its matrices: (1.10) to (1.15) with the erratum of (1.10) and "
-        "(A.2); (2.15), for PRR with the slide's column; (2.32); (2.48), (2.49); (2.55); the planar "
-        "RR column by column.",
+        "A, B and M equal the thesis' matrices written in the base frame: (1.10) to (1.15) with the "
+        "erratum of (1.10) and (A.2); (2.15), for PRR with the slide's column; (2.32); (2.48), (2.49); "
+        "(2.55); the planar RR column by column. Where a rod ends on a coupler the last rows of A and B are "
+        "the printed ones over k, less k times the rows before.",
         ("jacobian",),
         THESIS_VELOCITY,
     ),
